@@ -1,0 +1,114 @@
+"""Normative joint angles of level walking, as Fourier coefficients over one stride.
+
+The key values are read off published curves and rounded; they are facts about the average adult, not tables:
+
+- hip (thigh against the vertical), knee and ankle: Perry & Burnfield (2010), Gait Analysis, 2nd ed.; the same courses
+  are in Winter (1991), The Biomechanics and Motor Control of Human Gait, and Kadaba, Ramakrishnan & Wootten (1990),
+  J. Orthop. Res. 8, 383-392.
+- pelvis: Kadaba et al. (1990) and Perry & Burnfield (2010). Obliquity is small here, because it is a mean over two
+  sexes that move in opposite phase (Troje 2002, section 5; Smith, Lelas & Kerrigan 2002, J. Womens Health 11, 453-458).
+- trunk: Krebs, Wong, Jevsevar, Riley & Hodge (1992), Phys. Ther. 72, 505-514.
+- shoulder and elbow: Murray, Sepic & Barnard (1967), Phys. Ther. 47, 272-284.
+
+Time is in strides from the heel strike of the curve's own foot (limbs) or of the left foot (pelvis, trunk, neck).
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+__all__ = ["AXIAL_CURVES", "HEEL_LIFT", "LIMB_CURVES", "NORMATIVE", "N_HARMONICS", "curve_values", "shift_curve"]
+
+N_HARMONICS = 6
+
+# (percent of the stride, degrees). Flexion, dorsiflexion and abduction are positive.
+_LIMB_KEYS = {
+    "hip_flexion": (
+        (0, 20), (12, 17), (31, 0), (42, -13), (51, -19), (62, -9), (75, 15), (86, 24), (94, 22.5),
+    ),
+    "knee_flexion": (
+        (0, 4), (7, 12), (14, 17), (26, 9), (40, 4), (50, 10), (62, 40), (72, 61), (80, 50), (88, 22), (96, 3),
+    ),
+    "ankle_dorsiflexion": (
+        (0, 0), (7, -6), (18, 1), (31, 6), (44, 10), (52, 4), (62, -17), (70, -10), (80, 0), (90, 2),
+    ),
+    "hip_abduction": ((5, -2.8), (30, -4.1), (55, -2.8), (80, -1.5)),
+    "shoulder_flexion": ((2, -21), (27, -4), (52, 13), (77, -4)),
+    "shoulder_abduction": ((0, 10), (25, 8.6), (50, 9), (75, 9.4)),
+    "elbow_flexion": ((4, 17), (30, 25), (54, 38), (80, 27)),
+}  # fmt: skip
+
+# Tilts and the neck are positive forward, obliquity with the left side up, rotation turned to the left.
+_AXIAL_KEYS = {
+    "pelvis_tilt": ((5, 9.2), (30, 10.8), (55, 9.2), (80, 10.8)),
+    "pelvis_obliquity": ((15, 1.0), (40, 0.0), (65, -1.0), (90, 0.0)),
+    "pelvis_rotation": ((0, -4.5), (25, 0.0), (50, 4.5), (75, 0.0)),
+    "trunk_tilt": ((0, 2.4), (25, 0.6), (50, 2.4), (75, 0.6)),
+    "trunk_obliquity": ((0, 0.0), (25, -2.0), (50, 0.0), (75, 2.0)),
+    "trunk_rotation": ((3, 4.0), (28, 0.0), (53, -4.0), (78, 0.0)),
+    "neck_flexion": ((5, 7.2), (30, 8.8), (55, 7.2), (80, 8.8)),
+}
+
+LIMB_CURVES = tuple(_LIMB_KEYS)
+AXIAL_CURVES = tuple(_AXIAL_KEYS)
+
+
+def _coefficients(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return mean, sin1, cos1, ... of one period of evenly spaced values."""
+    spectrum = np.fft.rfft(values)[: N_HARMONICS + 1] / len(values)
+    result = np.empty(2 * N_HARMONICS + 1)
+    result[0], result[1::2], result[2::2] = spectrum[0].real, -2 * spectrum[1:].imag, 2 * spectrum[1:].real
+    return result
+
+
+def _through_keys(keys: tuple[tuple[float, float], ...]) -> NDArray[np.float64]:
+    """Return the coefficients, in radians, of the smooth periodic curve through key values in degrees."""
+    percent, degrees = np.array(keys, dtype=np.float64).T
+    closed = CubicSpline(np.append(percent, percent[0] + 100), np.append(degrees, degrees[0]), bc_type="periodic")
+    grid = np.arange(200) / 2
+    return _coefficients(np.deg2rad(closed(percent[0] + (grid - percent[0]) % 100)))
+
+
+NORMATIVE: dict[str, NDArray[np.float64]] = {
+    name: _through_keys(keys) for name, keys in (_LIMB_KEYS | _AXIAL_KEYS).items()
+}
+"""Coefficients mean, sin1, cos1, ... of each curve, in radians."""
+
+# Rising on the ball of the foot around mid-stance lifts the whole body: the more of it, the bouncier the walk.
+HEEL_LIFT: NDArray[np.float64] = _coefficients(np.exp(6 * (np.cos(2 * np.pi * (np.arange(200) / 200 - 0.35)) - 1)))
+"""Coefficients of a bump of height 1 at 35 % of the stride."""
+
+
+def shift_curve(coefficients: NDArray[np.float64], delay: float) -> NDArray[np.float64]:
+    """Return the coefficients, last axis mean, sin1, cos1, ..., of a curve that comes `delay` strides later."""
+    angles = 2 * np.pi * delay * np.arange(1, N_HARMONICS + 1)
+    sines, cosines = coefficients[..., 1::2], coefficients[..., 2::2]
+    shifted = coefficients.copy()
+    shifted[..., 1::2] = sines * np.cos(angles) + cosines * np.sin(angles)
+    shifted[..., 2::2] = cosines * np.cos(angles) - sines * np.sin(angles)
+    return shifted
+
+
+def curve_values(
+    coefficients: NDArray[np.float64], phase: NDArray[np.float64], amplitude: NDArray[np.float64] | float = 1.0
+) -> NDArray[np.float64]:
+    """Return curves at some phases, shape (n_phases, n_curves).
+
+    Parameters
+    ----------
+    coefficients : ndarray of shape (n_curves, 2 K + 1)
+        Mean, sin1, cos1, ... of each curve.
+    phase : ndarray of shape (n_phases,)
+        In strides.
+    amplitude : float or ndarray of shape (n_phases,), default 1.0
+        Factor on everything but the mean.
+
+    Returns
+    -------
+    ndarray of shape (n_phases, n_curves)
+    """
+    n_harmonics = (coefficients.shape[1] - 1) // 2
+    turns = np.exp(2j * np.pi * phase)
+    powers = turns[:, np.newaxis] ** np.arange(1, n_harmonics + 1)  # (n_phases, K)
+    waves = np.stack((powers.imag, powers.real), axis=2).reshape(len(phase), -1)  # (n_phases, 2 K), sin before cos
+    return coefficients[:, 0] + (waves * np.reshape(amplitude, (-1, 1))) @ coefficients[:, 1:].T

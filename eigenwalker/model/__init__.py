@@ -1,0 +1,16 @@
+"""The statistics: walks as vectors, Eigenwalkers, trait axes, and back."""
+
+from eigenwalker.model.eigenwalkers import make_eigenwalkers, walk_along_axis, walk_at
+from eigenwalker.model.linearization import FourierLinearizer
+from eigenwalker.model.scaling import BlockScaler
+from eigenwalker.model.traits import TraitClassifier, TraitRegressor
+
+__all__ = [
+    "BlockScaler",
+    "FourierLinearizer",
+    "TraitClassifier",
+    "TraitRegressor",
+    "make_eigenwalkers",
+    "walk_along_axis",
+    "walk_at",
+]

@@ -1,0 +1,131 @@
+"""Scaling of features before PCA, so that units do not decide what an Eigenwalker is."""
+
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from sklearn.base import BaseEstimator, OneToOneFeatureMixin, TransformerMixin
+from sklearn.utils.validation import check_array, check_is_fitted, validate_data
+
+from eigenwalker._validation import check_choice
+
+__all__ = ["BlockScaler"]
+
+
+class BlockScaler(OneToOneFeatureMixin, TransformerMixin, BaseEstimator):
+    r"""Bring posture in metres and frequency in hertz to one scale, and back.
+
+    The columns are the posture features first, then `n_scalars` single features such as frequency and speed. With
+    r the root mean square over the posture features of their standard deviations,
+
+    - ``unit="blocks"`` divides the posture features by 1 and each single feature by its own SD over r, so that a
+      single feature weighs as much as one average posture feature, and posture keeps its proportions;
+    - ``unit="features"`` divides every feature by its own SD.
+
+    Without it the unit decides: frequency holds a tenth of the variance beside metres and nothing beside millimetres.
+
+    Parameters
+    ----------
+    n_scalars : int, default 1
+        How many of the last columns are single features: the frequency, and each of the linearizer's extras.
+    unit : {"blocks", "features"}, default "blocks"
+        What is brought to one scale.
+    tolerance : float, default 1e-6
+        A posture feature whose SD is below `tolerance` times r is constant by convention, and what varies in it is
+        rounding; it keeps scale 1, as does a single feature that does not vary.
+
+    Attributes
+    ----------
+    scale_ : ndarray of shape (n_features,)
+        What each feature is divided by.
+    block_shares_ : ndarray of shape (1 + n_scalars,)
+        Share of the variance after scaling in the posture features together, and in each single feature.
+    n_features_in_ : int
+        Number of features.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from eigenwalker.model import BlockScaler
+    >>> vectors = np.array([[0.0, 3.0, 100.0], [2.0, 1.0, 300.0]])
+    >>> BlockScaler().fit_transform(vectors)
+    array([[0., 3., 1.],
+           [2., 1., 3.]])
+    """
+
+    def __init__(self, n_scalars: int = 1, *, unit: str = "blocks", tolerance: float = 1e-6) -> None:
+        self.n_scalars = n_scalars
+        self.unit = unit
+        self.tolerance = tolerance
+
+    def fit(self, X: ArrayLike, y: object = None) -> Self:
+        """Learn the scales.
+
+        Parameters
+        ----------
+        X : array-like of shape (n_walks, n_features)
+            Feature vectors; at least one posture feature beside the `n_scalars` single ones.
+        y : object, default None
+            Ignored.
+
+        Returns
+        -------
+        self
+        """
+        check_choice(self.unit, ("blocks", "features"), name="unit")
+        vectors = validate_data(self, X, dtype=np.float64)
+        n_posture = vectors.shape[1] - self.n_scalars
+        if n_posture < 1 or self.n_scalars < 0:
+            raise ValueError(
+                f"expected posture features beside n_scalars={self.n_scalars} single ones, "
+                f"got {vectors.shape[1]} feature(s) in all"
+            )
+        spreads = vectors.std(axis=0)
+        reference = np.sqrt(np.mean(spreads[:n_posture] ** 2))
+        scale = np.ones_like(spreads)
+        if self.unit == "features":
+            vary = spreads[:n_posture] > self.tolerance * reference
+            scale[:n_posture][vary] = spreads[:n_posture][vary]
+            reference = 1.0
+        scalars = spreads[n_posture:]
+        magnitudes = np.abs(vectors[:, n_posture:]).max(axis=0, initial=0.0)
+        varies = (scalars > 1e-12 * magnitudes) & (reference > 0)
+        scale[n_posture:][varies] = scalars[varies] / reference
+        self.scale_ = scale
+        variances = (spreads / scale) ** 2
+        blocks = np.concatenate(([variances[:n_posture].sum()], variances[n_posture:]))
+        self.block_shares_ = blocks / blocks.sum() if blocks.sum() > 0 else np.zeros_like(blocks)
+        return self
+
+    def transform(self, X: ArrayLike) -> NDArray[np.float64]:
+        """Return the scaled features.
+
+        Parameters
+        ----------
+        X : array-like of shape (n_walks, n_features)
+            Feature vectors.
+
+        Returns
+        -------
+        ndarray of shape (n_walks, n_features)
+        """
+        check_is_fitted(self)
+        return validate_data(self, X, dtype=np.float64, reset=False) / self.scale_
+
+    def inverse_transform(self, X: ArrayLike) -> NDArray[np.float64]:
+        """Return the features in their own units.
+
+        Parameters
+        ----------
+        X : array-like of shape (n_walks, n_features)
+            Scaled features.
+
+        Returns
+        -------
+        ndarray of shape (n_walks, n_features)
+        """
+        check_is_fitted(self)
+        scaled = check_array(X, dtype=np.float64, input_name="X")
+        if scaled.shape[1] != self.n_features_in_:
+            raise ValueError(f"expected {self.n_features_in_} features, got {scaled.shape[1]}")
+        return scaled * self.scale_

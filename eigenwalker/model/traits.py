@@ -1,0 +1,533 @@
+"""Trait axes: what walkers differ in, learned from labels, and steps along it (Troje 2002, section 3)."""
+
+from collections.abc import Hashable
+from typing import Self
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike, NDArray
+from sklearn.base import BaseEstimator, ClassifierMixin, RegressorMixin, TransformerMixin
+from sklearn.metrics import r2_score
+from sklearn.utils.multiclass import check_classification_targets
+from sklearn.utils.validation import (
+    check_array,
+    check_consistent_length,
+    check_is_fitted,
+    column_or_1d,
+    validate_data,
+)
+
+from eigenwalker._validation import check_choice
+from eigenwalker.model._axes import ALPHA_UNITS, DIRECTIONS, Axes, displacement, fit_axes, move, unit_lengths
+from eigenwalker.model._labels import Poles, encode, learn_coding, tabulate
+
+__all__ = ["TraitClassifier", "TraitRegressor"]
+
+
+class TraitRegressor(RegressorMixin, TransformerMixin, BaseEstimator):
+    r"""Least-squares trait axes in Eigenwalker space, for numbers, ratings and pairs of words.
+
+    Fits the labels of one or many traits on the scores, with intercept (Troje 2002, Eq. 5). For trait t with filter
+    c_t the displacement of a walker with centered score s is a_t = c_t . s, in units of the label. `predict` gives
+    labels, `transform` gives alpha, and `inverse_transform` gives scores that have a wanted alpha on every trait,
+    with C the matrix of all filters and a the displacements:
+
+    .. math:: s = Cov\, C' (C\, Cov\, C')^{-1} a \quad\text{or}\quad s = C' (C C')^{-1} a
+
+    One trait with ``alpha_unit="coefficient"`` and ``direction="filter"`` is Troje 2002, Eq. 6 to the letter.
+
+    Parameters
+    ----------
+    alpha_unit : {"sd", "label", "coefficient"}, default "sd"
+        What alpha = 1 is: one standard deviation of the displacement over the training walkers (over persons when
+        `fit` is given groups); one unit of the label; or the step c_t itself.
+    direction : {"pattern", "filter"}, default "pattern"
+        Which way a walker is moved: along what changes together with the trait among the training walkers, or
+        along the filter that reads it best, which is not the same when scores are correlated or differ in variance.
+    poles : mapping of str to (label, label), default None
+        Words for the negative and the positive end of a trait, {"mood": ("sad", "happy")}. Traits with two words as
+        labels are coded -1 and +1 in this order, alphabetically without poles. The published convention is that
+        plus is male, heavy, nervous and happy.
+
+    Attributes
+    ----------
+    coef_ : ndarray of shape (n_traits, n_components)
+        The filters.
+    intercept_ : ndarray of shape (n_traits,)
+        Predicted label of the average walker.
+    mean_ : ndarray of shape (n_components,)
+        Score of the average walker, which has alpha = 0.
+    covariance_ : ndarray of shape (n_components, n_components)
+        Of the training walkers' scores.
+    alpha_sd_ : ndarray of shape (n_traits,)
+        SD of the displacement over training walkers or persons, in label units.
+    trait_names_ : list of str
+        From the columns of `y`.
+    poles_ : dict of str to tuple
+        Words for the ends of each trait.
+    alpha_means_ : dict of str to dict
+        For traits labelled with two words: mean alpha of each group.
+    alpha_boundary_ : dict of str to float
+        For these traits: the alpha at which the predicted label changes sides.
+    n_features_in_ : int
+        Number of components.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from eigenwalker.model import TraitRegressor
+    >>> scores = np.array([[-2.0, 0.0], [-1.0, 1.0], [1.0, -1.0], [2.0, 0.0]])
+    >>> axis = TraitRegressor(alpha_unit="label").fit(scores, [-4.0, -2.0, 2.0, 4.0])
+    >>> axis.coef_.round(6) + 0, axis.transform([[0.5, 0.0]]).round(6)
+    (array([[2., 0.]]), array([[1.]]))
+    >>> axis.transform(axis.inverse_transform([[3.0]])).round(6)
+    array([[3.]])
+    """
+
+    def __init__(
+        self, *, alpha_unit: str = "sd", direction: str = "pattern", poles: Poles | None = None
+    ) -> None:
+        self.alpha_unit = alpha_unit
+        self.direction = direction
+        self.poles = poles
+
+    def fit(self, X: ArrayLike, y: ArrayLike, groups: ArrayLike | None = None) -> Self:
+        """Learn the axes.
+
+        Parameters
+        ----------
+        X : array-like of shape (n_walkers, n_components)
+            Scores.
+        y : DataFrame, Series or array-like of shape (n_walkers,) or (n_walkers, n_traits)
+            Numbers, or two words a trait. A missing label (NaN, None) leaves its walker out of that trait's fit.
+        groups : array-like of shape (n_walkers,), default None
+            Which person each walk is of. One unit of alpha is then an SD over persons.
+
+        Returns
+        -------
+        self
+
+        Raises
+        ------
+        ValueError
+            If a trait has no labels, one class only or more than two words, or if a parameter is out of range.
+        """
+        check_choice(self.alpha_unit, ALPHA_UNITS, name="alpha_unit")
+        check_choice(self.direction, DIRECTIONS, name="direction")
+        if y is None:
+            raise ValueError("requires y to be passed, but the target y is None")
+        scores = validate_data(self, X, dtype=np.float64, ensure_min_samples=2)
+        check_consistent_length(scores, y, groups)
+        table = tabulate(y, self.poles)
+        self._codings = learn_coding(table, self.poles)
+        labels = encode(table, self._codings)
+        persons = None if groups is None else np.unique(np.asarray(groups), return_inverse=True)[1]
+        axes = fit_axes(scores, labels, persons)
+        self.coef_, self.intercept_, self.mean_, self.covariance_, self.alpha_sd_ = axes
+        self.trait_names_ = [coding.name for coding in self._codings]
+        self.poles_ = {coding.name: coding.poles for coding in self._codings}
+        self._is_single = len(getattr(y, "shape", np.shape(np.asarray(y)))) == 1
+        self._report_groups(scores, labels)
+        return self
+
+    def _report_groups(self, scores: NDArray[np.float64], labels: NDArray[np.float64]) -> None:
+        self.alpha_means_, self.alpha_boundary_ = {}, {}
+        alphas = self._alphas(scores)
+        for trait, coding in enumerate(self._codings):
+            if coding.two_valued:
+                self.alpha_means_[coding.name] = {
+                    pole: float(alphas[labels[:, trait] == code, trait].mean())
+                    for pole, code in zip(coding.poles, (-1.0, 1.0), strict=True)
+                }
+                self.alpha_boundary_[coding.name] = self.to_alpha(0.0, trait)
+
+    def to_alpha(self, label: float, trait: int = 0) -> float:
+        """Return the alpha at which a label is predicted.
+
+        Parameters
+        ----------
+        label : float
+            As a number.
+        trait : int, default 0
+            Position of the trait.
+
+        Returns
+        -------
+        float
+            In `alpha_unit`; NaN for an axis without direction.
+        """
+        check_is_fitted(self)
+        length = unit_lengths(self._axes, self.alpha_unit)[trait]
+        return float((label - self.intercept_[trait]) / length) if length > 0 else float("nan")
+
+    @property
+    def _axes(self) -> Axes:
+        return Axes(self.coef_, self.intercept_, self.mean_, self.covariance_, self.alpha_sd_)
+
+    def _alphas(self, scores: NDArray[np.float64]) -> NDArray[np.float64]:
+        lengths = unit_lengths(self._axes, self.alpha_unit)
+        return displacement(self._axes, scores) / np.where(lengths > 0, lengths, 1.0)
+
+    def predict(self, X: ArrayLike) -> NDArray[np.float64]:
+        """Return the predicted labels as numbers.
+
+        Parameters
+        ----------
+        X : array-like of shape (n_walkers, n_components)
+            Scores.
+
+        Returns
+        -------
+        ndarray of shape (n_walkers,) or (n_walkers, n_traits)
+            As `y` was in fit. Traits with two words are predicted between -1 and +1 and beyond.
+        """
+        check_is_fitted(self)
+        scores = validate_data(self, X, dtype=np.float64, reset=False)
+        labels = self.intercept_ + displacement(self._axes, scores)
+        return labels[:, 0] if self._is_single else labels
+
+    def transform(self, X: ArrayLike) -> NDArray[np.float64]:
+        """Return alpha, the position of each walker on each trait axis; 0 is the average walker.
+
+        Parameters
+        ----------
+        X : array-like of shape (n_walkers, n_components)
+            Scores.
+
+        Returns
+        -------
+        ndarray of shape (n_walkers, n_traits)
+            In `alpha_unit`.
+        """
+        check_is_fitted(self)
+        return self._alphas(validate_data(self, X, dtype=np.float64, reset=False))
+
+    def inverse_transform(self, X: ArrayLike) -> NDArray[np.float64]:
+        """Return the scores that have the given alpha on every trait.
+
+        Parameters
+        ----------
+        X : array-like of shape (n_walkers, n_traits)
+            In `alpha_unit`.
+
+        Returns
+        -------
+        ndarray of shape (n_walkers, n_components)
+
+        Raises
+        ------
+        ValueError
+            If the axes are combinations of each other, so that not every alpha can be had.
+        """
+        check_is_fitted(self)
+        alphas = check_array(X, dtype=np.float64, input_name="X")
+        if alphas.shape[1] != len(self.coef_):
+            raise ValueError(f"expected alpha for the {len(self.coef_)} traits {self.trait_names_}, got {alphas.shape[1]}")
+        return self.mean_ + self.step(alphas, self.trait_names_)
+
+    def step(self, alphas: ArrayLike, traits: list[str]) -> NDArray[np.float64]:
+        """Return the steps from a walker's score that change its alpha on some traits and leave the others free.
+
+        Parameters
+        ----------
+        alphas : array-like of shape (n_steps, n_specified)
+            Changes of alpha, in `alpha_unit`.
+        traits : list of str
+            The specified traits, of `trait_names_`.
+
+        Returns
+        -------
+        ndarray of shape (n_steps, n_components)
+
+        Raises
+        ------
+        ValueError
+            If a trait is unknown or the traits cannot be set independently of each other.
+        """
+        check_is_fitted(self)
+        for trait in traits:
+            check_choice(trait, self.trait_names_, name="trait")
+        chosen = [self.trait_names_.index(trait) for trait in traits]
+        displacements = np.atleast_2d(np.asarray(alphas, dtype=np.float64))
+        displacements = displacements * unit_lengths(self._axes, self.alpha_unit)[chosen]
+        return move(self._axes, displacements, chosen, direction=self.direction, names=self.trait_names_)
+
+    def score(self, X: ArrayLike, y: ArrayLike, sample_weight: ArrayLike | None = None) -> float:
+        """Return the mean over traits of R2, each over the walkers that have a label.
+
+        Parameters
+        ----------
+        X : array-like of shape (n_walkers, n_components)
+            Scores.
+        y : as in fit
+            Labels.
+        sample_weight : array-like of shape (n_walkers,), default None
+            Weights of the walkers.
+
+        Returns
+        -------
+        float
+            NaN if no trait has two labelled walkers.
+        """
+        check_is_fitted(self)
+        labels = encode(tabulate(y, self.poles), self._codings)
+        predicted = np.reshape(self.predict(X), labels.shape)
+        weights = None if sample_weight is None else np.asarray(sample_weight)
+        scores = []
+        for truth, guess in zip(labels.T, predicted.T, strict=True):
+            known = ~np.isnan(truth)
+            if known.sum() > 1:
+                share = None if weights is None else weights[known]
+                scores.append(r2_score(truth[known], guess[known], sample_weight=share))
+        return float(np.mean(scores)) if scores else float("nan")
+
+    def get_feature_names_out(self, input_features: object = None) -> NDArray[np.object_]:
+        """Return the names of the traits.
+
+        Parameters
+        ----------
+        input_features : object, default None
+            Ignored.
+        """
+        check_is_fitted(self)
+        return np.array(self.trait_names_, dtype=object)
+
+    def __sklearn_tags__(self):
+        """Tell scikit-learn that many traits can be learned at once."""
+        tags = super().__sklearn_tags__()
+        tags.target_tags.multi_output = True
+        tags.target_tags.single_output = True
+        return tags
+
+
+class TraitClassifier(ClassifierMixin, TransformerMixin, BaseEstimator):
+    """The least-squares discriminant between two groups of walkers (Troje 2002, section 3).
+
+    Groups are coded -1 and +1 and regressed on the scores by `TraitRegressor`; the predicted group is the side on
+    which the result falls. `transform` and `inverse_transform` are those of the trait axis.
+
+    Parameters
+    ----------
+    alpha_unit : {"sd", "label", "coefficient"}, default "sd"
+        See `TraitRegressor`.
+    direction : {"pattern", "filter"}, default "pattern"
+        See `TraitRegressor`.
+    poles : mapping of str to (label, label), default None
+        The two groups, the one of negative alpha first. None takes them in alphabetical order.
+
+    Attributes
+    ----------
+    classes_ : ndarray of shape (2,)
+        The groups, sorted.
+    axis_ : TraitRegressor
+        The trait axis.
+    alpha_means_ : dict
+        Mean alpha of each group.
+    alpha_boundary_ : float
+        The alpha at which the prediction changes sides.
+    n_features_in_ : int
+        Number of components.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from eigenwalker.model import TraitClassifier
+    >>> scores = np.array([[-2.0, 0.0], [-1.0, 1.0], [1.0, -1.0], [2.0, 0.5]])
+    >>> gender = TraitClassifier().fit(scores, ["female", "female", "male", "male"])
+    >>> gender.predict([[0.5, 0.0]]).tolist()
+    ['male']
+    """
+
+    def __init__(
+        self, *, alpha_unit: str = "sd", direction: str = "pattern", poles: Poles | None = None
+    ) -> None:
+        self.alpha_unit = alpha_unit
+        self.direction = direction
+        self.poles = poles
+
+    def fit(self, X: ArrayLike, y: ArrayLike, groups: ArrayLike | None = None) -> Self:
+        """Learn the axis.
+
+        Parameters
+        ----------
+        X : array-like of shape (n_walkers, n_components)
+            Scores.
+        y : Series, one-column DataFrame or array-like of shape (n_walkers,)
+            The group of each walker, two different ones.
+        groups : array-like of shape (n_walkers,), default None
+            Which person each walk is of; see `TraitRegressor.fit`.
+
+        Returns
+        -------
+        self
+
+        Raises
+        ------
+        ValueError
+            If there are not exactly two groups, or labels are missing.
+        """
+        if y is None:
+            raise ValueError("requires y to be passed, but the target y is None")
+        scores = validate_data(self, X, dtype=np.float64, ensure_min_samples=2)
+        labels = _one_trait(y, self.poles)
+        check_consistent_length(scores, labels, groups)
+        self.classes_ = _two_classes(labels)
+        self.axis_ = TraitRegressor(
+            alpha_unit=self.alpha_unit,
+            direction=self.direction,
+            poles={labels.name: self._poles(labels.name)},
+        )
+        negative, positive = self._poles(labels.name)
+        codes = labels.eq(positive).map({False: -1.0, True: 1.0})
+        self.axis_.fit(scores, codes, groups)
+        alphas = pd.Series(self.axis_.transform(scores)[:, 0])
+        self.alpha_means_ = {pole: float(alphas[labels.eq(pole)].mean()) for pole in (negative, positive)}
+        self.alpha_boundary_ = self.axis_.to_alpha(0.0)
+        return self
+
+    def _poles(self, name: str) -> tuple[Hashable, Hashable]:
+        if not self.poles:
+            first, second = self.classes_.tolist()
+            return first, second
+        if list(self.poles) != [name] or set(self.poles[name]) != set(self.classes_.tolist()):
+            raise ValueError(
+                f"poles must be {{{name!r}: (group, group)}} with the groups {self.classes_.tolist()}, "
+                f"got {dict(self.poles)}"
+            )
+        return tuple(self.poles[name])
+
+    @property
+    def trait_names_(self) -> list[str]:
+        """Name of the trait, in a list."""
+        check_is_fitted(self)
+        return self.axis_.trait_names_
+
+    @property
+    def poles_(self) -> dict[str, tuple[Hashable, Hashable]]:
+        """The groups at the negative and the positive end."""
+        check_is_fitted(self)
+        return self.axis_.poles_
+
+    def decision_function(self, X: ArrayLike) -> NDArray[np.float64]:
+        """Return the predicted code of each walker; positive for the second of `classes_`.
+
+        Parameters
+        ----------
+        X : array-like of shape (n_walkers, n_components)
+            Scores.
+
+        Returns
+        -------
+        ndarray of shape (n_walkers,)
+        """
+        check_is_fitted(self)
+        scores = validate_data(self, X, dtype=np.float64, reset=False)
+        sign = 1.0 if self.axis_.poles_[self.trait_names_[0]][1] == self.classes_[1] else -1.0
+        return sign * self.axis_.predict(scores)
+
+    def predict(self, X: ArrayLike) -> NDArray:
+        """Return the predicted group of each walker.
+
+        Parameters
+        ----------
+        X : array-like of shape (n_walkers, n_components)
+            Scores.
+
+        Returns
+        -------
+        ndarray of shape (n_walkers,)
+        """
+        check_is_fitted(self)
+        return self.classes_[(self.decision_function(X) > 0).astype(int)]
+
+    def transform(self, X: ArrayLike) -> NDArray[np.float64]:
+        """Return alpha; see `TraitRegressor.transform`.
+
+        Parameters
+        ----------
+        X : array-like of shape (n_walkers, n_components)
+            Scores.
+
+        Returns
+        -------
+        ndarray of shape (n_walkers, 1)
+        """
+        check_is_fitted(self)
+        return self.axis_.transform(validate_data(self, X, dtype=np.float64, reset=False))
+
+    def inverse_transform(self, X: ArrayLike) -> NDArray[np.float64]:
+        """Return the scores that have the given alpha; see `TraitRegressor.inverse_transform`.
+
+        Parameters
+        ----------
+        X : array-like of shape (n_walkers, 1)
+            In `alpha_unit`.
+
+        Returns
+        -------
+        ndarray of shape (n_walkers, n_components)
+        """
+        check_is_fitted(self)
+        return self.axis_.inverse_transform(X)
+
+    def step(self, alphas: ArrayLike, traits: list[str]) -> NDArray[np.float64]:
+        """Return the steps that change alpha; see `TraitRegressor.step`.
+
+        Parameters
+        ----------
+        alphas : array-like of shape (n_steps, 1)
+            Changes of alpha, in `alpha_unit`.
+        traits : list of str
+            The name of the trait.
+
+        Returns
+        -------
+        ndarray of shape (n_steps, n_components)
+        """
+        check_is_fitted(self)
+        return self.axis_.step(alphas, traits)
+
+    def get_feature_names_out(self, input_features: object = None) -> NDArray[np.object_]:
+        """Return the name of the trait.
+
+        Parameters
+        ----------
+        input_features : object, default None
+            Ignored.
+        """
+        return np.array(self.trait_names_, dtype=object)
+
+    def __sklearn_tags__(self):
+        """Tell scikit-learn that there are two classes."""
+        tags = super().__sklearn_tags__()
+        tags.classifier_tags.multi_class = False
+        return tags
+
+
+def _one_trait(y: object, poles: Poles | None) -> pd.Series:
+    """Return the labels of one trait as a Series with its name."""
+    if isinstance(y, pd.DataFrame) and y.shape[1] != 1:
+        raise ValueError(f"y must have one column, got {y.shape[1]}; use TraitRegressor for many traits")
+    if not isinstance(y, (pd.DataFrame, pd.Series)):
+        y = column_or_1d(y, warn=True)
+    labels = tabulate(y, poles).iloc[:, 0]
+    if labels.isna().any():
+        raise ValueError(
+            f"Input y, trait {labels.name!r}, contains NaN: {int(labels.isna().sum())} of {len(labels)} labels are "
+            "missing; leave these walkers out, or use TraitRegressor"
+        )
+    check_classification_targets(labels.to_numpy())
+    return labels
+
+
+def _two_classes(labels: pd.Series) -> NDArray:
+    """Return the two classes, sorted."""
+    classes = np.unique(labels.to_numpy())
+    if len(classes) != 2:
+        shown = ", ".join(map(repr, classes[:6].tolist()))
+        count = "one class only" if len(classes) == 1 else f"{len(classes)} classes"
+        raise ValueError(
+            f"trait {labels.name!r}: expected two classes, got {count}: {shown}. "
+            "Only binary classification is supported."
+        )
+    return classes

@@ -1,0 +1,52 @@
+"""One walk, and what is done to one walk."""
+
+from eigenwalker.motion.body import check_leg_length, stature
+from eigenwalker.motion.fourier import (
+    amplitude_phase,
+    coarse_frequency,
+    estimate_frequency,
+    evaluate_harmonics,
+    explained_power,
+    fit_harmonics,
+    reference_phase,
+    shift_phase,
+)
+from eigenwalker.motion.preparation import WalkPreparer, mirror_walk, prepare, prepare_walks
+from eigenwalker.motion.phase import phase_weights, stride_frequency
+from eigenwalker.motion.quality import WalkQuality, walk_quality
+from eigenwalker.motion.rotations import forward_kinematics, rotvec_from_euler, unroll_rotvec
+from eigenwalker.motion.skeleton import RIGS, TROJE15, MarkerSet, Rig, Skeleton, find_rig
+from eigenwalker.motion.walk import JointWalk, Walk
+
+__all__ = [
+    "RIGS",
+    "TROJE15",
+    "JointWalk",
+    "MarkerSet",
+    "Rig",
+    "Skeleton",
+    "Walk",
+    "WalkPreparer",
+    "WalkQuality",
+    "amplitude_phase",
+    "check_leg_length",
+    "coarse_frequency",
+    "estimate_frequency",
+    "evaluate_harmonics",
+    "explained_power",
+    "find_rig",
+    "fit_harmonics",
+    "forward_kinematics",
+    "mirror_walk",
+    "prepare",
+    "prepare_walks",
+    "phase_weights",
+
+    "reference_phase",
+    "rotvec_from_euler",
+    "shift_phase",
+    "stature",
+    "stride_frequency",
+    "unroll_rotvec",
+    "walk_quality",
+]

@@ -1,0 +1,250 @@
+"""Names and anatomy: marker sets, skeletons, and the rigs that lead from one to the other."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigenwalker._validation import check_array, check_names
+
+__all__ = ["RIGS", "TROJE15", "MarkerSet", "Rig", "Skeleton", "find_rig"]
+
+
+@dataclass(frozen=True)
+class MarkerSet:
+    """Names of markers, in order, and the sticks that connect them in a picture.
+
+    Parameters
+    ----------
+    names : tuple of str
+        One name a marker. Markers of the two body sides start with ``left_`` and ``right_``.
+    sticks : tuple of (str, str), default ()
+        Pairs of names to be drawn as lines.
+
+    Examples
+    --------
+    >>> from eigenwalker.motion import MarkerSet
+    >>> feet = MarkerSet(("left_ankle", "right_ankle", "pelvis"))
+    >>> feet.names[feet.mirror[0]]
+    'right_ankle'
+    """
+
+    names: tuple[str, ...]
+    sticks: tuple[tuple[str, str], ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "names", check_names(self.names, name="names"))
+        unknown = sorted({end for stick in self.sticks for end in stick} - set(self.names))
+        if unknown:
+            raise ValueError(f"sticks must join known markers, got {', '.join(unknown)}")
+
+    def index(self, name: str) -> int:
+        """Return the position of a marker, or raise an error that lists the names."""
+        if name not in self.names:
+            raise ValueError(f"no marker {name!r}; this marker set has {', '.join(self.names)}")
+        return self.names.index(name)
+
+    @property
+    def mirror(self) -> NDArray[np.intp]:
+        """Position of each marker's partner on the other side of the body, shape (n_markers,)."""
+        partners = [_other_side(name) for name in self.names]
+        alone = [name for name, partner in zip(self.names, partners, strict=True) if partner not in self.names]
+        if alone:
+            raise ValueError(f"markers without a partner on the other side: {', '.join(alone)}")
+        return np.array([self.names.index(partner) for partner in partners])
+
+
+def _other_side(name: str) -> str:
+    if name.startswith("left_"):
+        return "right_" + name.removeprefix("left_")
+    if name.startswith("right_"):
+        return "left_" + name.removeprefix("right_")
+    return name
+
+
+_LIMBS = (("shoulder", "elbow"), ("elbow", "wrist"), ("hip", "knee"), ("knee", "ankle"))
+
+TROJE15 = MarkerSet(
+    names=(
+        "head",
+        "clavicle",
+        *(f"{side}_{joint}" for side in ("left", "right") for joint in ("shoulder", "elbow", "wrist")),
+        "pelvis",
+        *(f"{side}_{joint}" for side in ("left", "right") for joint in ("hip", "knee", "ankle")),
+    ),
+    sticks=(
+        ("head", "clavicle"),
+        ("clavicle", "pelvis"),
+        *(("clavicle", f"{side}_shoulder") for side in ("left", "right")),
+        *(("pelvis", f"{side}_hip") for side in ("left", "right")),
+        *((f"{side}_{upper}", f"{side}_{lower}") for side in ("left", "right") for upper, lower in _LIMBS),
+    ),
+)
+"""The 15 virtual markers of Troje 2002, section 2, in the order of this package."""
+
+
+@dataclass(frozen=True, eq=False)
+class Skeleton:
+    """A tree of joints with the bones between them, in the posture where all rotations are zero.
+
+    Parameters
+    ----------
+    joint_names : tuple of str
+        Parents before children; the first one is the top of the tree.
+    parents : ndarray of shape (n_joints,)
+        Position of each joint's parent, -1 for the first.
+    offsets : ndarray of shape (n_joints, 3)
+        From the parent's joint to this one, in the parent's frame, in metres.
+    end_parents : ndarray of shape (n_ends,), default empty
+        Joints that end in a tip without a joint (fingers, toes, top of the head).
+    end_offsets : ndarray of shape (n_ends, 3), default empty
+        From that joint to the tip, in metres.
+    root : int, default 0
+        The joint that carries the body through space. It is not the first one in files that put
+        a fixed reference above the hips.
+    """
+
+    joint_names: tuple[str, ...]
+    parents: NDArray[np.intp]
+    offsets: NDArray[np.floating]
+    end_parents: NDArray[np.intp] = field(default_factory=lambda: np.empty(0, dtype=np.intp))
+    end_offsets: NDArray[np.floating] = field(default_factory=lambda: np.empty((0, 3)))
+    root: int = 0
+
+    def __post_init__(self) -> None:
+        names = check_names(self.joint_names, name="joint_names")
+        parents = np.array(self.parents, dtype=np.intp)
+        ends = np.array(self.end_parents, dtype=np.intp)
+        if parents.shape != (len(names),):
+            raise ValueError(f"parents must have shape ({len(names)},), one a joint, got {parents.shape}")
+        if not names or parents[0] != -1 or (parents[1:] < 0).any() or (parents >= np.arange(len(names))).any():
+            raise ValueError("parents must be -1 for the first joint and an earlier joint for all others")
+        if ends.ndim != 1 or ((ends < 0) | (ends >= len(names))).any():
+            raise ValueError(f"end_parents must be positions of joints below {len(names)}, got {ends}")
+        if not 0 <= self.root < len(names):
+            raise ValueError(f"root must be the position of a joint below {len(names)}, got {self.root}")
+        for array in (parents, ends):
+            array.flags.writeable = False
+        object.__setattr__(self, "joint_names", names)
+        object.__setattr__(self, "parents", parents)
+        object.__setattr__(self, "end_parents", ends)
+        object.__setattr__(self, "offsets", check_array(self.offsets, shape=(len(names), 3), name="offsets"))
+        object.__setattr__(
+            self, "end_offsets", check_array(self.end_offsets, shape=(len(ends), 3), name="end_offsets")
+        )
+
+
+@dataclass(frozen=True)
+class Rig:
+    """How the joints of one family of skeletons lead to the 15 markers.
+
+    Parameters
+    ----------
+    name : str
+        What the family is called.
+    markers : mapping of str to (mapping of str to float)
+        For each marker of `TROJE15` the joints it lies between, with weights that sum to one.
+        A weight beyond one carries the marker past a joint along a bone.
+    hip_flexion : mapping of str to float
+        Channels of a `JointWalk`, with weights, whose sum is left minus right hip flexion.
+    """
+
+    name: str
+    markers: Mapping[str, Mapping[str, float]]
+    hip_flexion: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        missing = [name for name in TROJE15.names if name not in self.markers]
+        if missing:
+            raise ValueError(f"rig {self.name!r} must place all 15 markers; it lacks {', '.join(missing)}")
+        uneven = [name for name, joints in self.markers.items() if abs(sum(joints.values()) - 1) > 1e-9]
+        if uneven:
+            raise ValueError(f"rig {self.name!r}: weights must sum to one, but not for {', '.join(uneven)}")
+
+    @property
+    def joint_names(self) -> frozenset[str]:
+        """The joints this rig needs."""
+        return frozenset(joint for joints in self.markers.values() for joint in joints)
+
+    def weights(self, joint_names: Iterable[str]) -> NDArray[np.float64]:
+        """Return the matrix, shape (15, n_joints), that turns joint positions into markers."""
+        names = tuple(joint_names)
+        missing = sorted(self.joint_names - set(names))
+        if missing:
+            raise ValueError(f"rig {self.name!r} needs joints {', '.join(missing)}; found {', '.join(names)}")
+        matrix = np.zeros((len(TROJE15.names), len(names)))
+        for row, marker in enumerate(TROJE15.names):
+            for joint, weight in self.markers[marker].items():
+                matrix[row, names.index(joint)] = weight
+        return matrix
+
+
+def _rig(name: str, *, trunk: dict[str, dict[str, float]], limbs: dict[str, str], flexion: dict[str, float]) -> Rig:
+    """Build a rig from its trunk and a template a limb joint, {0} for the left side's letters, {1} ..."""
+    markers = dict(trunk)
+    for marker, template in limbs.items():
+        left, right = template.split("|")
+        markers[f"left_{marker}"] = {left: 1.0}
+        markers[f"right_{marker}"] = {right: 1.0}
+    return Rig(name, markers, flexion)
+
+
+# The centre of the head lies above the joint between neck and skull. Where the file has no tip
+# of the head, it is reached by carrying on along the neck.
+_BANDAI = _rig(
+    "bandai",
+    trunk={
+        "head": {"Head": 2.0, "Neck": -1.0},
+        "clavicle": {"Shoulder_L": 0.5, "Shoulder_R": 0.5},
+        "pelvis": {"UpperLeg_L": 0.5, "UpperLeg_R": 0.5},
+    },
+    limbs={
+        "shoulder": "UpperArm_L|UpperArm_R",
+        "elbow": "LowerArm_L|LowerArm_R",
+        "wrist": "Hand_L|Hand_R",
+        "hip": "UpperLeg_L|UpperLeg_R",
+        "knee": "LowerLeg_L|LowerLeg_R",
+        "ankle": "Foot_L|Foot_R",
+    },
+    flexion={"UpperLeg_L_z": 1.0, "UpperLeg_R_z": -1.0},
+)
+_CMU = _rig(
+    "cmu",
+    trunk={
+        "head": {"Head": 1.5, "Neck1": -0.5},
+        "clavicle": {"Neck": 1.0},
+        "pelvis": {"LeftUpLeg": 0.5, "RightUpLeg": 0.5},
+    },
+    limbs={
+        "shoulder": "LeftArm|RightArm",
+        "elbow": "LeftForeArm|RightForeArm",
+        "wrist": "LeftHand|RightHand",
+        "hip": "LeftUpLeg|RightUpLeg",
+        "knee": "LeftLeg|RightLeg",
+        "ankle": "LeftFoot|RightFoot",
+    },
+    flexion={"LeftUpLeg_y": 1.0, "RightUpLeg_y": -1.0},
+)
+
+RIGS: tuple[Rig, ...] = (_BANDAI, _CMU)
+"""The rigs that `JointWalk.to_markers` recognises by their joint names."""
+
+
+def find_rig(joint_names: Iterable[str]) -> Rig:
+    """Return the rig whose joints are all among `joint_names`.
+
+    Raises
+    ------
+    ValueError
+        If no rig of `RIGS` matches; the error lists the joints found and says how to pass a rig.
+    """
+    names = tuple(joint_names)
+    for rig in RIGS:
+        if rig.joint_names <= set(names):
+            return rig
+    known = ", ".join(rig.name for rig in RIGS)
+    raise ValueError(
+        f"no known rig ({known}) matches the joints {', '.join(names)}; "
+        "pass rig=Rig(name, markers={'head': {'Skull': 1.0}, ...}) that says which joints make each marker"
+    )

@@ -1,0 +1,237 @@
+"""The two containers: marker positions over time and joint rotations over time."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from eigenwalker._validation import check_array, check_frame_rate
+from eigenwalker.motion.rotations import forward_kinematics
+from eigenwalker.motion.skeleton import TROJE15, MarkerSet, Rig, Skeleton, find_rig
+
+__all__ = ["JointWalk", "Walk"]
+
+_AXES = ("x", "y", "z")
+
+
+@dataclass(frozen=True, eq=False)
+class Walk:
+    """Marker positions of one walk.
+
+    Axes are right-handed: x forward, y to the walker's left, z up.
+
+    Parameters
+    ----------
+    positions : ndarray of shape (n_frames, n_markers, 3)
+        In metres. NaN marks a gap. Stored read-only.
+    frame_rate : float
+        Frames per second.
+    marker_set : MarkerSet, default TROJE15
+        Names of the markers, in the order of the second axis.
+    name : str, default ""
+        What the walk is called in tables and errors, and what labels are joined by.
+    speed : float, default NaN
+        Speed of the treadmill belt in m/s; NaN where it is unknown.
+    size : float, default 1.0
+        The factor by which the positions were divided to take body size out.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from eigenwalker.motion import Walk
+    >>> walk = Walk(np.zeros((240, 15, 3)), frame_rate=120, name="anna")
+    >>> walk.channels.shape, walk.duration
+    ((240, 45), 2.0)
+    """
+
+    positions: NDArray[np.floating]
+    frame_rate: float
+    marker_set: MarkerSet = TROJE15
+    name: str = ""
+    speed: float = float("nan")
+    size: float = 1.0
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.marker_set, MarkerSet):
+            raise TypeError(f"marker_set must be a MarkerSet, got {type(self.marker_set).__name__}")
+        shape = ("n_frames", len(self.marker_set.names), 3)
+        object.__setattr__(self, "positions", check_array(self.positions, shape=shape, name="positions"))
+        _check_common(self)
+
+    @property
+    def n_frames(self) -> int:
+        """Number of frames."""
+        return len(self.positions)
+
+    @property
+    def duration(self) -> float:
+        """Number of frames over frame rate, in seconds."""
+        return self.n_frames / self.frame_rate
+
+    @property
+    def channels(self) -> NDArray[np.floating]:
+        """The positions as a matrix, shape (n_frames, n_channels), n_channels = 3 n_markers."""
+        return self.positions.reshape(self.n_frames, -1)  # (n_frames, n_markers, 3) -> (n_frames, 3 n_markers)
+
+    @property
+    def channel_names(self) -> tuple[str, ...]:
+        """Names of the channels, ``left_ankle_x`` and so on."""
+        return tuple(f"{marker}_{axis}" for marker in self.marker_set.names for axis in _AXES)
+
+    @property
+    def phase_channels(self) -> dict[str, float]:
+        """Channels, with weights, whose sum carries the phase of the gait: left minus right ankle, forward."""
+        return {"left_ankle_x": 1.0, "right_ankle_x": -1.0}
+
+    def marker(self, name: str) -> NDArray[np.floating]:
+        """Return the path of one marker, shape (n_frames, 3), in metres."""
+        return self.positions[:, self.marker_set.index(name)]
+
+    def with_channels(self, channels: ArrayLike, **changes: object) -> "Walk":
+        """Return a copy with other channels, shape (n_frames, n_channels), and with `changes` of other fields."""
+        matrix = check_array(channels, shape=("n_frames", len(self.channel_names)), name="channels")
+        positions = matrix.reshape(len(matrix), -1, 3)  # (n_frames, 3 n_markers) -> (n_frames, n_markers, 3)
+        return replace(self, positions=positions, **changes)
+
+
+@dataclass(frozen=True, eq=False)
+class JointWalk:
+    """Joint rotations of one walk, and the path of its root.
+
+    Parameters
+    ----------
+    rotations : ndarray of shape (n_frames, n_joints, 3)
+        Exponential maps, in radians: the rotation of each joint against its parent, axis times angle.
+    root : ndarray of shape (n_frames, 3)
+        Position of the joint `skeleton.root` in its parent's frame, in metres.
+    skeleton : Skeleton
+        Joints and bones.
+    frame_rate : float
+        Frames per second.
+    name : str, default ""
+        What the walk is called in tables and errors, and what labels are joined by.
+    speed : float, default NaN
+        Speed of the treadmill belt in m/s; NaN where it is unknown.
+    size : float, default 1.0
+        The factor by which the body was divided to take its size out.
+    translations : mapping of str to ndarray of shape (n_frames, 3), default empty
+        Joints other than the root that move against their parent, in metres. Joints that are not
+        named stay at their offset in the skeleton.
+    """
+
+    rotations: NDArray[np.floating]
+    root: NDArray[np.floating]
+    skeleton: Skeleton
+    frame_rate: float
+    name: str = ""
+    speed: float = float("nan")
+    size: float = 1.0
+    translations: Mapping[str, NDArray[np.floating]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.skeleton, Skeleton):
+            raise TypeError(f"skeleton must be a Skeleton, got {type(self.skeleton).__name__}")
+        shape = ("n_frames", len(self.skeleton.joint_names), 3)
+        rotations = check_array(self.rotations, shape=shape, name="rotations")
+        object.__setattr__(self, "rotations", rotations)
+        object.__setattr__(self, "root", check_array(self.root, shape=(len(rotations), 3), name="root"))
+        unknown = sorted(set(self.translations) - set(self.skeleton.joint_names))
+        if unknown:
+            raise ValueError(f"translations must name joints of the skeleton, got {', '.join(unknown)}")
+        moving = {
+            joint: check_array(path, shape=(len(rotations), 3), name=f"translations[{joint!r}]")
+            for joint, path in self.translations.items()
+        }
+        object.__setattr__(self, "translations", moving)
+        _check_common(self)
+
+    @property
+    def n_frames(self) -> int:
+        """Number of frames."""
+        return len(self.rotations)
+
+    @property
+    def duration(self) -> float:
+        """Number of frames over frame rate, in seconds."""
+        return self.n_frames / self.frame_rate
+
+    @property
+    def channels(self) -> NDArray[np.floating]:
+        """The rotations as a matrix, shape (n_frames, n_channels), n_channels = 3 n_joints."""
+        return self.rotations.reshape(self.n_frames, -1)  # (n_frames, n_joints, 3) -> (n_frames, 3 n_joints)
+
+    @property
+    def channel_names(self) -> tuple[str, ...]:
+        """Names of the channels, ``LeftUpLeg_y`` and so on."""
+        return tuple(f"{joint}_{axis}" for joint in self.skeleton.joint_names for axis in _AXES)
+
+    @property
+    def phase_channels(self) -> dict[str, float]:
+        """Channels, with weights, whose sum carries the phase: left minus right hip flexion, named by the rig."""
+        return dict(find_rig(self.skeleton.joint_names).hip_flexion)
+
+    def with_channels(self, channels: ArrayLike, **changes: object) -> "JointWalk":
+        """Return a copy with other rotations, shape (n_frames, n_channels), and with `changes` of other fields.
+
+        The root path must be among the changes when the number of frames is another one.
+        """
+        matrix = check_array(channels, shape=("n_frames", len(self.channel_names)), name="channels")
+        rotations = matrix.reshape(len(matrix), -1, 3)  # (n_frames, 3 n_joints) -> (n_frames, n_joints, 3)
+        return replace(self, rotations=rotations, **changes)
+
+    def joint_positions(self) -> NDArray[np.float64]:
+        """Return where the joints are, shape (n_frames, n_joints, 3), in metres, by forward kinematics."""
+        return forward_kinematics(self.rotations, self._local_positions(), self.skeleton.parents)[0]
+
+    def end_positions(self) -> NDArray[np.float64]:
+        """Return where the tips of the skeleton are, shape (n_frames, n_ends, 3), in metres."""
+        skeleton = self.skeleton
+        joints, frames = forward_kinematics(self.rotations, self._local_positions(), skeleton.parents)
+        held = frames[:, skeleton.end_parents]  # (n_frames, n_ends, 3, 3)
+        return joints[:, skeleton.end_parents] + np.einsum("teij,ej->tei", held, skeleton.end_offsets)
+
+    def to_markers(self, rig: Rig | None = None) -> Walk:
+        """Return the walk of the 15 markers of Troje 2002 that this skeleton carries.
+
+        Parameters
+        ----------
+        rig : Rig, default None
+            Which joints make each marker. None recognises the rigs in `RIGS` by their joint names.
+
+        Returns
+        -------
+        Walk
+            With `TROJE15` markers and this walk's name, frame rate, speed and size.
+
+        Raises
+        ------
+        ValueError
+            If no rig is given and none is recognised, or if the rig needs joints that are missing.
+        """
+        names = self.skeleton.joint_names
+        weights = (rig or find_rig(names)).weights(names)
+        positions = np.matmul(weights, self.joint_positions())  # (15, J) @ (T, J, 3) -> (T, 15, 3)
+        return Walk(positions, self.frame_rate, TROJE15, self.name, self.speed, self.size)
+
+    def _local_positions(self) -> NDArray[np.float64]:
+        """Position of each joint in its parent's frame, shape (n_frames, n_joints, 3)."""
+        skeleton = self.skeleton
+        local = np.tile(np.asarray(skeleton.offsets, dtype=np.float64), (self.n_frames, 1, 1))
+        for joint, path in self.translations.items():
+            local[:, skeleton.joint_names.index(joint)] = path
+        local[:, skeleton.root] = self.root
+        return local
+
+
+def _check_common(walk: Walk | JointWalk) -> None:
+    """Check the fields that both kinds of walk share."""
+    object.__setattr__(walk, "frame_rate", check_frame_rate(walk.frame_rate))
+    if not isinstance(walk.name, str):
+        raise TypeError(f"name must be a string, got {type(walk.name).__name__}")
+    object.__setattr__(walk, "speed", float(walk.speed))
+    object.__setattr__(walk, "size", float(walk.size))
+    if not (np.isfinite(walk.size) and walk.size > 0):
+        raise ValueError(f"size must be positive and finite, got {walk.size}")
+    if walk.n_frames == 0:
+        raise ValueError(f"walk {walk.name!r}: expected at least one frame, got none")

@@ -1,0 +1,16 @@
+"""What all tests share."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+
+@pytest.fixture(scope="session")
+def data_dir() -> Path:
+    """Return the folder of recorded walks, or skip the test where there is none."""
+    default = Path(__file__).parents[2] / "shared" / "data"
+    folder = Path(os.environ.get("EIGENWALKER_TEST_DATA", default))
+    if not folder.is_dir():
+        pytest.skip(f"no recorded walks in {folder}; set EIGENWALKER_TEST_DATA to the folder that holds them")
+    return folder

@@ -1,0 +1,116 @@
+"""Reading by suffix, and many files at once."""
+
+import warnings
+from pathlib import Path
+
+import pytest
+from numpy.testing import assert_array_equal
+
+from eigenwalker._validation import WalkError
+from eigenwalker.io import read_bvh, read_walk, read_walks
+
+TEXT = """HIERARCHY
+ROOT Hips
+{
+  OFFSET 0 0 0
+  CHANNELS 4 Xposition Yposition Zposition Yrotation
+}
+MOTION
+Frames: 2
+Frame Time: 0.01
+0 90 0 0
+0 90 STEP 10
+"""
+
+
+@pytest.fixture
+def files(tmp_path):
+    """Return five sound files, not in alphabetical order."""
+    paths = [tmp_path / f"{name}.bvh" for name in ("eva", "anna", "dora", "cleo", "bert")]
+    for step, path in enumerate(paths, 1):
+        path.write_text(TEXT.replace("STEP", str(step)))
+    return paths
+
+
+@pytest.fixture
+def mixed(files, tmp_path):
+    """Return the files with three that cannot be read between them."""
+    broken = tmp_path / "broken.bvh"
+    broken.write_text(TEXT.replace("STEP", "far"))
+    return [files[0], broken, files[1], tmp_path / "missing.bvh", tmp_path / "film.mp4", files[2]]
+
+
+def test_suffix_chooses_the_reader(files, tmp_path):
+    loud = tmp_path / "LOUD.BVH"
+    loud.write_text(TEXT.replace("STEP", "1"))
+    assert read_walk(loud).name == "LOUD"
+    assert_array_equal(read_walk(str(files[0]), unit="m").root, read_bvh(files[0], unit="m").root)
+
+
+def test_unknown_suffix_lists_the_known():
+    with pytest.raises(WalkError, match=r"walk\.fbx: expected a file of type \.bvh, got suffix '\.fbx'"):
+        read_walk("walk.fbx")
+    with pytest.raises(WalkError, match=r"got suffix ''"):
+        read_walk("walk")
+
+
+def test_unknown_option_lists_the_known(files):
+    for read in (read_walk, lambda path, **options: read_walks([path], **options)):
+        with pytest.raises(TypeError, match="read_bvh takes the options unit, up, name, got units, axis"):
+            read(files[0], units="cm", axis="y")
+
+
+def test_order_is_kept_for_any_number_of_processes(files):
+    one = read_walks(files)
+    two = read_walks(iter(map(str, files)), n_jobs=2, progress=True)
+    assert [walk.name for walk in one] == [walk.name for walk in two] == ["eva", "anna", "dora", "cleo", "bert"]
+    for first, second in zip(one, two, strict=True):
+        assert_array_equal(first.root, second.root)
+        assert_array_equal(first.rotations, second.rotations)
+
+
+@pytest.mark.parametrize("n_jobs", [1, 2])
+def test_all_refusals_are_raised_at_once(mixed, n_jobs):
+    with pytest.raises(WalkError) as caught:  # noqa: PT011
+        read_walks(mixed, n_jobs=n_jobs)
+    first, *lines = str(caught.value).splitlines()
+    assert first == "3 of 6 files were refused; mend them, or leave them out with on_error='skip':"
+    assert lines[0] == f"  {mixed[1]}, line 11: expected a finite number as value 3 of 4, got 'far'"
+    assert lines[1].startswith(f"  {mixed[3]}: [Errno 2] No such file")
+    assert lines[2] == f"  {mixed[4]}: expected a file of type .bvh, got suffix '.mp4'"
+    assert len(lines) == 3
+
+
+def test_skip_warns_once_and_returns_the_rest(mixed):
+    with pytest.warns(UserWarning, match=r"3 of 6 files were refused and left out:") as caught:
+        walks = read_walks(mixed, on_error="skip")
+    assert [walk.name for walk in walks] == ["eva", "anna", "dora"]
+    (warning,) = caught
+    assert all(str(path) in str(warning.message) for path in (mixed[1], mixed[3], mixed[4]))
+    assert Path(warning.filename).name == "test_formats.py"
+
+
+def test_skip_is_silent_when_all_is_well(files):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert len(read_walks(files, on_error="skip")) == 5
+
+
+def test_a_single_path_is_not_a_list(files):
+    for path in (files[0], str(files[0])):
+        with pytest.raises(TypeError, match=r"got the single path '.*eva\.bvh': wrap it, \[path\]"):
+            read_walks(path)
+    with pytest.raises(TypeError, match="paths must be a list of paths, got int"):
+        read_walks(3)
+
+
+def test_no_paths_are_refused(tmp_path):
+    with pytest.raises(ValueError, match="expected at least one path, got none"):
+        read_walks(tmp_path.glob("*.bvh"))
+
+
+def test_wrong_choices_are_refused(files):
+    with pytest.raises(ValueError, match="on_error must be one of 'raise', 'skip', got 'ignore'"):
+        read_walks(files, on_error="ignore")
+    with pytest.raises(TypeError, match="takes no name"):
+        read_walks(files, name="anna")
