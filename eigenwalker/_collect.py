@@ -47,22 +47,18 @@ def collect(
     n_jobs : int, default None
         Number of processes, as in joblib. Neither results nor warnings depend on it.
     progress, description : bool, default False, and str, default ""
-        Whether to show a bar on stderr once the job has taken two seconds, and its label.
+        Whether to show a bar on stderr once the job has taken two seconds; its label.
 
     Returns
     -------
-    results : list
-        One entry an item, None where it was refused.
-    refusals : list of Refusal
-        In the order of the items.
+    results, refusals : list, and list of Refusal
+        One result an item, None where it was refused; both in the order of the items.
 
     Examples
     --------
     >>> results, refusals = collect(float, ["1.5", "two"], ["first", "second"])
-    >>> results
-    [1.5, None]
-    >>> refusals[0].name
-    'second'
+    >>> results, refusals[0].name
+    ([1.5, None], 'second')
     """
     outcomes = Parallel(n_jobs=n_jobs, return_as="generator")(delayed(_attempt)(function, item) for item in items)
     bar = tqdm(outcomes, total=len(items), desc=description, delay=2, disable=not progress, file=sys.stderr)
@@ -75,8 +71,8 @@ def collect(
         if reason is not None:
             refusals.append(Refusal(name, reason))
     seen: dict[Any, Any] = {}  # so that a filter of "once a place" holds over all items
-    for warning in caught:
-        warnings.warn_explicit(*warning, registry=seen)
+    for message, category, filename, line in caught:
+        warnings.warn_explicit(message, category, filename, line, registry=seen)
     return results, refusals
 
 
@@ -86,7 +82,7 @@ def report_refusals(refusals: Sequence[Refusal], n_items: int, *, on_error: str,
     Parameters
     ----------
     refusals, n_items : sequence of Refusal, and int
-        What `collect` returned, and how many items it was given.
+        What `collect` returned, and how many items it had.
     on_error : {"raise", "skip"}
         "raise" raises a WalkError, "skip" gives a UserWarning to the caller's caller.
     what : str, default "files"
@@ -96,10 +92,12 @@ def report_refusals(refusals: Sequence[Refusal], n_items: int, *, on_error: str,
     if not refusals:
         return
     listed = "".join("\n  " + _one_line(refusal) for refusal in refusals)
-    count = f"{len(refusals)} of {n_items} {what}"
+    count = f"{len(refusals)} of {n_items} {what} were refused"
+    if len(refusals) == n_items:
+        raise WalkError(f"{count}, so nothing is left:{listed}")
     if on_error == "raise":
-        raise WalkError(f"{count} were refused; mend them, or leave them out with on_error='skip':{listed}")
-    warnings.warn(f"{count} were refused and left out:{listed}", UserWarning, stacklevel=3)
+        raise WalkError(f"{count}; mend them, or leave them out with on_error='skip':{listed}")
+    warnings.warn(f"{count} and left out:{listed}", UserWarning, stacklevel=3)
 
 
 def _one_line(refusal: Refusal) -> str:

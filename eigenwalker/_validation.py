@@ -13,6 +13,7 @@ __all__ = [
     "check_frame_rate",
     "check_names",
     "check_walks",
+    "restore_read_only",
 ]
 
 
@@ -141,3 +142,20 @@ def check_walks(walks: object, *, kind: type | tuple[type, ...]) -> list:
                 f"expected a list of {' or '.join(names)}, got {type(item).__name__} at position {position}"
             )
     return result
+
+
+def restore_read_only(instance: object, state: dict[str, object]) -> None:
+    """Set the state of an unpickled frozen dataclass; numpy brings read-only arrays back writeable.
+
+    Parameters
+    ----------
+    instance : object
+        The new object.
+    state : dict
+        Its attributes: arrays, dictionaries of arrays, or anything else.
+    """
+    for value in state.values():
+        for item in value.values() if isinstance(value, dict) else (value,):
+            if isinstance(item, np.ndarray):
+                item.flags.writeable = False
+    instance.__dict__.update(state)

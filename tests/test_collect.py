@@ -58,10 +58,14 @@ def test_the_callers_filters_hold():
 
 def test_in_a_thread_warnings_are_shown_at_once():
     found = []
-    with pytest.warns(RuntimeWarning, match="the root of nothing"):
+
+    def collect_in_thread():
         thread = threading.Thread(target=lambda: found.append(collect(_root, [0, 4], list("ab"))))
         thread.start()
         thread.join()
+
+    with pytest.warns(RuntimeWarning, match="the root of nothing"):
+        collect_in_thread()
     assert found == [([0, 2], [])]
 
 

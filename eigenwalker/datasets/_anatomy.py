@@ -12,7 +12,7 @@ import numpy as np
 
 from eigenwalker.motion import TROJE15, Skeleton
 
-__all__ = ["BODY_PARAMETERS", "MARKER_JOINTS", "body_skeleton"]
+__all__ = ["BODY_PARAMETERS", "JOINTS", "LIMB_JOINTS", "MARKER_JOINTS", "body_skeleton"]
 
 _THIGH, _SHANK, _ANKLE_HEIGHT = 0.245, 0.246, 0.039
 _UPPER_ARM, _FOREARM = 0.186, 0.146
@@ -23,6 +23,7 @@ _THORAX = 0.218  # from there to the shoulders, which are at 0.818 of stature
 _NECK = 0.112  # from the clavicle to the center of the head
 _HEEL, _BALL = 0.036, 0.075  # behind and before the ankle; the foot is 0.152 of stature long
 
+LIMB_JOINTS = ("shoulder", "elbow", "wrist", "hip", "knee", "ankle")
 BODY_PARAMETERS = (
     "stature",
     "leg_length",
@@ -37,9 +38,11 @@ BODY_PARAMETERS = (
     "shoulder_forward",
     "clavicle_forward",
     "head_forward",
+    *(f"{side}_{joint}_shift_{axis}" for side in ("left", "right") for joint in LIMB_JOINTS for axis in "xyz"),
 )
 """Stature in metres; lengths and breadths as relative deviations from the average proportion; shares as the part of
-the limb by which its lower segment is longer and its upper one shorter; the rest are offsets in metres."""
+the limb by which its lower segment is longer and its upper one shorter; the rest are offsets in metres, the shifts
+those of a joint against its place in a straight and symmetric body, in the frame of the bone above it."""
 
 _SIDES = (("left", 1.0), ("right", -1.0))
 _PARENTS = {"pelvis": "", "thorax": "pelvis", "clavicle": "thorax", "head": "clavicle"}
@@ -100,11 +103,17 @@ def _limbs(parameters: Mapping[str, float], side: str, sign: float) -> dict[str,
     shoulder = sign * stature * _SHOULDER_HALF * (1 + parameters["shoulder_breadth"])
     hip = sign * stature * _HIP_HALF * (1 + parameters["hip_breadth"])
     height = _trunk(parameters)["clavicle"][2] + parameters["shoulder_lift"]
+    straight = {
+        "shoulder": (parameters["shoulder_forward"], shoulder, height),
+        "elbow": (0.0, 0.0, -arm * (_UPPER_ARM - (_UPPER_ARM + _FOREARM) * forearm)),
+        "wrist": (0.0, 0.0, -arm * (_FOREARM + (_UPPER_ARM + _FOREARM) * forearm)),
+        "hip": (0.0, hip, -stature * _HIP_DEPTH - parameters["pelvis_depth"]),
+        "knee": (0.0, 0.0, -leg * (_THIGH - (_THIGH + _SHANK) * shank)),
+        "ankle": (0.0, 0.0, -leg * (_SHANK + (_THIGH + _SHANK) * shank)),
+    }
     return {
-        f"{side}_shoulder": (parameters["shoulder_forward"], shoulder, height),
-        f"{side}_elbow": (0.0, 0.0, -arm * (_UPPER_ARM - (_UPPER_ARM + _FOREARM) * forearm)),
-        f"{side}_wrist": (0.0, 0.0, -arm * (_FOREARM + (_UPPER_ARM + _FOREARM) * forearm)),
-        f"{side}_hip": (0.0, hip, -stature * _HIP_DEPTH - parameters["pelvis_depth"]),
-        f"{side}_knee": (0.0, 0.0, -leg * (_THIGH - (_THIGH + _SHANK) * shank)),
-        f"{side}_ankle": (0.0, 0.0, -leg * (_SHANK + (_THIGH + _SHANK) * shank)),
+        f"{side}_{joint}": tuple(
+            place + parameters[f"{side}_{joint}_shift_{axis}"] for axis, place in zip("xyz", straight[joint], strict=True)
+        )
+        for joint in LIMB_JOINTS
     }

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigenwalker._validation import WalkError
-from eigenwalker.io._body import check_leg_length, check_up, meters_per_unit, to_package_axes
+from eigenwalker.io._units import check_up, meters_per_unit, to_package_axes
+from eigenwalker.motion.body import check_leg_length
 from eigenwalker.io._bvh_text import BvhText, parse_bvh
 from eigenwalker.motion.rotations import rotvec_from_euler, unroll_rotvec
 from eigenwalker.motion.skeleton import Skeleton, find_rig
@@ -21,7 +22,12 @@ _WHOLE = 1e-4  # a frame rate this near to a whole number is that number, printe
 
 
 def read_bvh(
-    path: str | PathLike[str], *, unit: str | float = "cm", up: str = "y", name: str | None = None
+    path: str | PathLike[str],
+    *,
+    unit: str | float = "cm",
+    up: str = "y",
+    frame_rate: float | None = None,
+    name: str | None = None,
 ) -> JointWalk:
     """Return the walk that a BVH file holds.
 
@@ -37,6 +43,8 @@ def read_bvh(
         The axis of the file that points up. "y": z is forward and x is left in the file, and the
         cyclic permutation (z, x, y) makes them the package's axes. "z": x is forward and y is left,
         as in the package.
+    frame_rate : float, default None
+        Frames per second, where the file's Frame Time is known to be wrong. None takes the file's.
     name : str, default None
         Name of the walk. None is the file's name without its suffix.
 
@@ -103,7 +111,7 @@ def read_bvh(
         raise WalkError(f"{path}, {error}") from None
     walk = _to_walk(bvh, scale, up, path.stem if name is None else name)
     _check_body(walk, path, unit)
-    return walk
+    return walk if frame_rate is None else replace(walk, frame_rate=frame_rate)
 
 
 def _to_walk(bvh: BvhText, scale: float, up: str, name: str) -> JointWalk:

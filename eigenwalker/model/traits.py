@@ -270,7 +270,7 @@ class TraitRegressor(RegressorMixin, TransformerMixin, BaseEstimator):
             NaN if no trait has two labelled walkers.
         """
         check_is_fitted(self)
-        labels = encode(tabulate(y, self.poles), self._codings)
+        labels = self.encode(y)
         predicted = np.reshape(self.predict(X), labels.shape)
         weights = None if sample_weight is None else np.asarray(sample_weight)
         scores = []
@@ -280,6 +280,34 @@ class TraitRegressor(RegressorMixin, TransformerMixin, BaseEstimator):
                 share = None if weights is None else weights[known]
                 scores.append(r2_score(truth[known], guess[known], sample_weight=share))
         return float(np.mean(scores)) if scores else float("nan")
+
+    def encode(self, y: ArrayLike) -> NDArray[np.float64]:
+        """Return labels as the numbers that are regressed.
+
+        Parameters
+        ----------
+        y : as in fit
+            Labels.
+
+        Returns
+        -------
+        ndarray of shape (n_walkers, n_traits)
+            Words are -1 and +1, missing labels NaN.
+        """
+        check_is_fitted(self)
+        return encode(tabulate(y, self.poles), self._codings)
+
+    def is_two_valued(self, trait: str) -> bool:
+        """Return whether a trait was labelled with two words, not with numbers.
+
+        Parameters
+        ----------
+        trait : str
+            One of `trait_names_`.
+        """
+        check_is_fitted(self)
+        check_choice(trait, self.trait_names_, name="trait")
+        return self._codings[self.trait_names_.index(trait)].two_valued
 
     def get_feature_names_out(self, input_features: object = None) -> NDArray[np.object_]:
         """Return the names of the traits.

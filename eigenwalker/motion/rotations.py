@@ -6,7 +6,6 @@ An exponential map is a vector r of three numbers: the axis r / |r| and the angl
 import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial.transform import Rotation
 
 __all__ = ["forward_kinematics", "rotvec_from_euler", "unroll_rotvec"]
 
@@ -47,17 +46,35 @@ def rotvec_from_euler(angles: ArrayLike, order: str) -> NDArray[np.float64]:
     if angles.ndim == 0 or angles.shape[-1] != len(order):
         raise ValueError(f"angles must have {len(order)} entries in the last axis, one a letter of {order!r}, "
                          f"got shape {angles.shape}")  # fmt: skip
-    lead = angles.shape[:-1]
-    flat = angles.reshape(-1, len(order))  # (..., n_axes) -> (n, n_axes)
-    if not order or not flat.size:
-        return np.zeros((*lead, 3))
-    if len(set(order)) == 3 and len(order) == 3:
-        rotation = Rotation.from_euler(order, flat)
-    else:
-        rotation = Rotation.identity(len(flat))
-        for column, axis in enumerate(order):
-            rotation = rotation * Rotation.from_euler(axis, flat[:, [column]])
-    return rotation.as_rotvec().reshape(*lead, 3)
+    flat = np.ascontiguousarray(angles.reshape(-1, len(order)))  # (..., n_axes) -> (n, n_axes)
+    axes = np.array(["XYZ".index(letter) for letter in order], dtype=np.int64)
+    return _rotvec_from_euler(flat, axes).reshape(*angles.shape[:-1], 3)
+
+
+@njit(cache=True, nogil=True)
+def _rotvec_from_euler(angles, axes):
+    """Multiply one quaternion (w, x, y, z) a letter from the left to the right, and take the logarithm."""
+    n_rotations, n_axes = angles.shape
+    out = np.empty((n_rotations, 3))
+    for i in range(n_rotations):
+        w, x, y, z = 1.0, 0.0, 0.0, 0.0
+        for j in range(n_axes):
+            c = np.cos(0.5 * angles[i, j])
+            s = np.sin(0.5 * angles[i, j])
+            if axes[j] == 0:
+                w, x, y, z = w * c - x * s, x * c + w * s, y * c + z * s, z * c - y * s
+            elif axes[j] == 1:
+                w, x, y, z = w * c - y * s, x * c - z * s, y * c + w * s, z * c + x * s
+            else:
+                w, x, y, z = w * c - z * s, x * c + y * s, y * c - x * s, z * c + w * s
+        if w < 0:
+            w, x, y, z = -w, -x, -y, -z
+        sine = np.sqrt(x * x + y * y + z * z)
+        scale = 2.0 if sine < 1e-12 else 2.0 * np.arctan2(sine, w) / sine
+        out[i, 0] = scale * x
+        out[i, 1] = scale * y
+        out[i, 2] = scale * z
+    return out
 
 
 def unroll_rotvec(rotvec: ArrayLike) -> NDArray[np.float64]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from eigenwalker._validation import check_array, check_names
+from eigenwalker._validation import check_array, check_names, restore_read_only
 
 __all__ = ["RIGS", "TROJE15", "MarkerSet", "Rig", "Skeleton", "find_rig"]
 
@@ -134,6 +134,9 @@ class Skeleton:
             self, "end_offsets", check_array(self.end_offsets, shape=(len(ends), 3), name="end_offsets")
         )
 
+    def __setstate__(self, state: dict[str, object]) -> None:
+        restore_read_only(self, state)
+
 
 @dataclass(frozen=True)
 class Rig:
@@ -181,10 +184,10 @@ class Rig:
 
 
 def _rig(name: str, *, trunk: dict[str, dict[str, float]], limbs: dict[str, str], flexion: dict[str, float]) -> Rig:
-    """Build a rig from its trunk and a template a limb joint, {0} for the left side's letters, {1} ..."""
+    """Build a rig from its trunk and the pair of joints, "left|right", under each marker of the limbs."""
     markers = dict(trunk)
-    for marker, template in limbs.items():
-        left, right = template.split("|")
+    for marker, pair in limbs.items():
+        left, right = pair.split("|")
         markers[f"left_{marker}"] = {left: 1.0}
         markers[f"right_{marker}"] = {right: 1.0}
     return Rig(name, markers, flexion)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from eigenwalker._validation import check_array, check_frame_rate
+from eigenwalker._validation import check_array, check_frame_rate, restore_read_only
 from eigenwalker.motion.rotations import forward_kinematics
 from eigenwalker.motion.skeleton import TROJE15, MarkerSet, Rig, Skeleton, find_rig
 
@@ -58,6 +58,9 @@ class Walk:
         shape = ("n_frames", len(self.marker_set.names), 3)
         object.__setattr__(self, "positions", check_array(self.positions, shape=shape, name="positions"))
         _check_common(self)
+
+    def __setstate__(self, state: dict[str, object]) -> None:
+        restore_read_only(self, state)
 
     @property
     def n_frames(self) -> int:
@@ -145,6 +148,9 @@ class JointWalk:
         }
         object.__setattr__(self, "translations", moving)
         _check_common(self)
+
+    def __setstate__(self, state: dict[str, object]) -> None:
+        restore_read_only(self, state)
 
     @property
     def n_frames(self) -> int:

@@ -35,7 +35,7 @@ LINES = TEXT.splitlines(keepends=True)
 def _refusal(folder, content):
     path = folder / "walk.bvh"
     path.write_bytes(content if isinstance(content, bytes) else content.encode())
-    with pytest.raises(WalkError) as caught:  # noqa: PT012
+    with pytest.raises(WalkError) as caught:
         read_bvh(path)
     return str(caught.value)
 

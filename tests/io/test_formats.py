@@ -71,7 +71,7 @@ def test_order_is_kept_for_any_number_of_processes(files):
 
 @pytest.mark.parametrize("n_jobs", [1, 2])
 def test_all_refusals_are_raised_at_once(mixed, n_jobs):
-    with pytest.raises(WalkError) as caught:  # noqa: PT011
+    with pytest.raises(WalkError) as caught:
         read_walks(mixed, n_jobs=n_jobs)
     first, *lines = str(caught.value).splitlines()
     assert first == "3 of 6 files were refused; mend them, or leave them out with on_error='skip':"

@@ -1,0 +1,7 @@
+"""Lets ``python -m eigenwalker`` run the command."""
+
+import sys
+
+from eigenwalker.cli import main
+
+sys.exit(main())

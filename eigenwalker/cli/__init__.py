@@ -1,0 +1,57 @@
+"""The command `eigenwalker`."""
+
+import argparse
+import sys
+import warnings
+from collections.abc import Sequence
+
+from threadpoolctl import threadpool_limits
+
+from eigenwalker.cli import demo, fit, walk
+
+__all__ = ["main"]
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command.
+
+    Parameters
+    ----------
+    arguments : sequence of str, default None
+        What stands behind `eigenwalker` on the command line; None takes it from there.
+
+    Returns
+    -------
+    int
+        Exit status: 0, or 1 after an error, which is printed.
+    """
+    parser = _make_parser()
+    options = parser.parse_args(arguments)
+    # The matrices are small: threads of the linear algebra would only wait for each other.
+    with warnings.catch_warnings(), threadpool_limits(limits=1):
+        warnings.showwarning = _print_warning
+        try:
+            options.run(options)
+        except (ValueError, OSError, ImportError) as error:
+            print(f"eigenwalker {options.command}: error: {error}", file=sys.stderr)
+            return 1
+    return 0
+
+
+def _make_parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="eigenwalker",
+        description="Statistics of human walking: learn what walkers differ in, and make walks along it.",
+    )
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    for module in (demo, fit, walk):
+        name = module.__name__.rpartition(".")[2]
+        command = commands.add_parser(name, help=module.HELP, description=module.DESCRIPTION)
+        module.add_arguments(command)
+        command.set_defaults(run=module.run)
+    return parser
+
+
+def _print_warning(message: Warning | str, category: type[Warning], *_: object, **__: object) -> None:
+    if not issubclass(category, (DeprecationWarning, PendingDeprecationWarning)):
+        print(f"eigenwalker: note: {message}", file=sys.stderr)

@@ -1,0 +1,176 @@
+"""Figures of walks with matplotlib."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigenwalker._validation import check_walks
+from eigenwalker.motion.phase import phase_weights, stride_frequency
+from eigenwalker.motion.fourier import evaluate_harmonics, fit_harmonics, reference_phase, shift_phase
+from eigenwalker.motion.walk import Walk
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["StickFigureDisplay", "project"]
+
+VIEWS = {"frontal": 0.0, "half-profile": 30.0, "side": 90.0}
+"""Azimuth of the named views, in degrees (Troje 2002, section 4)."""
+
+
+def project(positions: NDArray[np.floating], azimuth: float) -> NDArray[np.float64]:
+    """Return what an observer sees of markers, by orthographic projection.
+
+    Parameters
+    ----------
+    positions : ndarray of shape (..., 3)
+        In metres; x forward, y left, z up.
+    azimuth : float
+        Where the observer stands, in degrees: 0 in front of the walker, 90 at its right side, so that it walks to
+        the right of the picture.
+
+    Returns
+    -------
+    ndarray of shape (..., 3)
+        To the right in the picture, up, and towards the observer, in metres.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from eigenwalker.display import project
+    >>> project(np.array([1.0, 0.0, 1.7]), 90).round(6) + 0
+    array([1. , 1.7, 0. ])
+    """
+    angle = np.deg2rad(azimuth)
+    x, y, z = np.moveaxis(np.asarray(positions, dtype=np.float64), -1, 0)
+    right = x * np.sin(angle) + y * np.cos(angle)
+    near = x * np.cos(angle) - y * np.sin(angle)
+    return np.stack((right, z, near), axis=-1)
+
+
+class StickFigureDisplay:
+    """Stick figures of walks: one row a walk, one column a phase of the stride.
+
+    Parameters
+    ----------
+    walks : list of Walk
+        Walks in place, with the same markers.
+    azimuth : float
+        Where the observer stands, in degrees.
+    n_phases : int
+        Number of phases in a stride, evenly spaced; the first has the left foot furthest in front.
+
+    Attributes
+    ----------
+    ax_ : matplotlib Axes
+        What was drawn on.
+    figure_ : matplotlib Figure
+        The figure it belongs to.
+
+    Examples
+    --------
+    >>> from eigenwalker.datasets import make_walkers
+    >>> from eigenwalker.display import StickFigureDisplay
+    >>> display = StickFigureDisplay.from_walks(make_walkers(2, random_state=0).data)
+    >>> display.ax_.get_aspect()
+    1.0
+    """
+
+    def __init__(self, walks: list[Walk], *, azimuth: float, n_phases: int) -> None:
+        self.walks = walks
+        self.azimuth = azimuth
+        self.n_phases = n_phases
+
+    @classmethod
+    def from_walks(
+        cls,
+        walks: Sequence[Walk],
+        *,
+        view: str | float = "half-profile",
+        n_phases: int = 6,
+        ax: Axes | None = None,
+    ) -> Self:
+        """Draw walks.
+
+        Parameters
+        ----------
+        walks : list of Walk
+            Walks in place, with the same markers; their names are written beside the rows.
+        view : {"frontal", "half-profile", "side"} or float, default "half-profile"
+            Where the observer stands; a number is an azimuth in degrees.
+        n_phases : int, default 6
+            Number of phases in a stride.
+        ax : matplotlib Axes, default None
+            Where to draw. None makes a new figure.
+
+        Returns
+        -------
+        StickFigureDisplay
+        """
+        walks = check_walks(walks, kind=Walk)
+        if isinstance(view, str) and view not in VIEWS:
+            raise ValueError(f"view must be one of {', '.join(VIEWS)} or an azimuth in degrees, got {view!r}")
+        azimuth = VIEWS[view] if isinstance(view, str) else float(view)
+        return cls(walks, azimuth=azimuth, n_phases=n_phases).plot(ax=ax)
+
+    def plot(self, ax: Axes | None = None) -> Self:
+        """Draw on the given axes, or on new ones.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, default None
+            Where to draw.
+
+        Returns
+        -------
+        self
+        """
+        from matplotlib.figure import Figure
+
+        if ax is None:
+            figure = Figure(figsize=(1.1 * self.n_phases + 1.2, 2.2 * len(self.walks) + 0.2), layout="constrained")
+            ax = figure.add_subplot()
+        self.ax_, self.figure_ = ax, ax.figure
+        postures = [_postures(walk, self.n_phases) for walk in self.walks]
+        seen = [project(posture, self.azimuth) for posture in postures]
+        width = 1.15 * max(np.ptp(picture[..., 0]) for picture in seen)
+        height = 1.1 * max(picture[..., 1].max() for picture in seen)
+        for row, (walk, picture) in enumerate(zip(self.walks, seen, strict=True)):
+            floor = -row * height
+            middle = picture[..., 0].mean()
+            for column in range(self.n_phases):
+                offset = np.array([column * width - middle, floor])
+                _draw_figure(ax, walk, picture[column], offset)
+            ax.plot([-0.5 * width, (self.n_phases - 0.5) * width], [floor, floor], color="0.8", lw=0.8, zorder=0)
+            ax.text(-0.55 * width, floor + 0.45 * height, walk.name, ha="right", va="center")
+        ax.set_aspect("equal")
+        ax.set_axis_off()
+        return self
+
+
+def _postures(walk: Walk, n_phases: int) -> NDArray[np.float64]:
+    """Markers at evenly spaced phases of the mean stride, shape (n_phases, n_markers, 3)."""
+    frequency = stride_frequency(walk)
+    n_harmonics = max(1, min(4, int(0.45 * walk.frame_rate / frequency)))
+    coefficients = fit_harmonics(walk.channels, walk.frame_rate, frequency, n_harmonics)
+    coefficients = shift_phase(coefficients, reference_phase(coefficients, phase_weights(walk)))
+    channels = evaluate_harmonics(coefficients, frequency, np.arange(n_phases) / (n_phases * frequency))
+    return channels.reshape(n_phases, -1, 3)  # (n_phases, 3 n_markers) -> (n_phases, n_markers, 3)
+
+
+def _draw_figure(ax: Axes, walk: Walk, picture: NDArray[np.float64], offset: NDArray[np.float64]) -> None:
+    """Draw one posture: sticks that are nearer to the observer darker and on top, dots for the markers."""
+    points = picture[:, :2] + offset
+    nearness = picture[:, 2] - picture[:, 2].mean()
+    reach = max(float(np.abs(nearness).max()), 1e-9)
+    for first, second in walk.marker_set.sticks:
+        ends = [walk.marker_set.index(first), walk.marker_set.index(second)]
+        near = float(nearness[ends].mean()) / reach
+        ax.plot(*points[ends].T, color=str(round(0.4 - 0.35 * near, 3)), lw=1.6, solid_capstyle="round", zorder=2 + near)
+    ax.scatter(*points.T, s=7, color="black", zorder=4, linewidths=0)
+    if "head" in walk.marker_set.names:
+        ax.scatter(*points[walk.marker_set.index("head")], s=60, color="black", zorder=4, linewidths=0)
