@@ -13,7 +13,7 @@ _TRUSTED = frozenset(
         "eigenwalker.model._labels.Coding",
         "eigenwalker.model.linearization.FourierLinearizer",
         "eigenwalker.model.scaling.BlockScaler",
-        "eigenwalker.model.traits.TraitClassifier",
+        "eigenwalker.model.discriminant.TraitClassifier",
         "eigenwalker.model.traits.TraitRegressor",
         "eigenwalker.motion.preparation.WalkPreparer",
         "eigenwalker.motion.skeleton.MarkerSet",
@@ -76,7 +76,9 @@ def load_model(path: str | Path) -> BaseEstimator:
     try:
         asked = skops.get_untrusted_types(data=data)
     except (BadZipFile, KeyError, ValueError, TypeError, AttributeError) as error:
-        raise ValueError(f"{path}: expected a model written by save_model, got something else or a part of one: {error}") from None
+        raise ValueError(
+            f"{path}: expected a model written by save_model, got something else or a part of one: {error}"
+        ) from None
     foreign = _foreign(asked)
     if foreign:
         raise ValueError(f"{path}: refused, because the file asks for types that no model needs: {', '.join(foreign)}")

@@ -31,7 +31,9 @@ _POLES = {
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's arguments."""
-    parser.add_argument("--out", type=Path, default=Path("eigenwalker-demo"), metavar="DIR", help="folder for the results")
+    parser.add_argument(
+        "--out", type=Path, default=Path("eigenwalker-demo"), metavar="DIR", help="folder for the results"
+    )
 
 
 def run(options: argparse.Namespace) -> None:
@@ -53,7 +55,9 @@ def run(options: argparse.Namespace) -> None:
     _print_results(model, matrix, traits)
     example = walk_along_axis(model, "gender", [2.0])[0]
     write_csv(example, options.out / "gender_plus_2.csv")
-    print(f"pictures and a walk are in {options.out}/: open average.png, gender.png, weight.png, happy.png, nervous.png")
+    print(
+        f"pictures and a walk are in {options.out}/: open average.png, gender.png, weight.png, happy.png, nervous.png"
+    )
 
 
 def _next(bar: tqdm, description: str) -> None:

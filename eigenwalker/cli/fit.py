@@ -36,7 +36,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     source.add_argument(
         "--label-pattern", metavar="REGEX", help="labels out of the file names, such as 'walk_(?P<style>[a-z]+)_'"
     )
-    parser.add_argument("--trait", required=True, action="append", metavar="NAME", help="what to learn; may be repeated")
+    parser.add_argument(
+        "--trait", required=True, action="append", metavar="NAME", help="what to learn; may be repeated"
+    )
     parser.add_argument("--group", metavar="COLUMN", help="column or pattern group that says which person a file is of")
     parser.add_argument("--out", required=True, type=Path, metavar="MODEL", help="file for the model, such as my.skops")
     parser.add_argument("--components", type=int, default=15, metavar="N", help="number of Eigenwalkers (15)")
@@ -65,7 +67,8 @@ def run(options: argparse.Namespace) -> None:
     _report_model(model, kept)
     _report_prediction(model, kept, traits, persons)
     save_model(model, options.out)
-    print(f"saved {options.out}; see a walk with: eigenwalker walk {options.out} --alpha {options.trait[0]}=2 --out walk.png")
+    print(f"saved {options.out}; see a walk with:")
+    print(f"  eigenwalker walk {options.out} --alpha {options.trait[0]}=2 --out walk.png")
 
 
 def _report_refusals(
@@ -103,9 +106,7 @@ def _report_model(model: Pipeline, walks: list[Walk]) -> None:
     print(f"{pca.n_components_} Eigenwalkers hold {pca.explained_variance_ratio_.sum():.1%} of the variance")
 
 
-def _report_prediction(
-    model: Pipeline, walks: list[Walk], traits: pd.DataFrame, persons: NDArray | None
-) -> None:
+def _report_prediction(model: Pipeline, walks: list[Walk], traits: pd.DataFrame, persons: NDArray | None) -> None:
     """Print how well each trait is predicted for persons left out, beside what tempo alone gives."""
     groups = np.arange(len(walks)) if persons is None else persons
     vectors = model["linearizer"].transform(walks)

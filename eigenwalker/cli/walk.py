@@ -8,7 +8,7 @@ from eigenwalker.cli._recordings import add_reading_arguments, load, reading_opt
 from eigenwalker.display.plotting import StickFigureDisplay
 from eigenwalker.io.table import write_csv
 from eigenwalker.model.eigenwalkers import walk_at
-from eigenwalker.motion.walk import Walk
+from eigenwalker.motion.walk import JointWalk, Walk
 from eigenwalker.persistence import load_model
 
 HELP = "make a walk with a given position on trait axes"
@@ -51,7 +51,7 @@ def _parse_alpha(text: str) -> tuple[str, float]:
     raise ValueError(f"--alpha must be TRAIT=NUMBER, such as gender=2, got {text!r}")
 
 
-def _write_picture(walk: Walk, path: Path) -> None:
+def _write_picture(walk: Walk | JointWalk, path: Path) -> None:
     StickFigureDisplay.from_walks([walk]).figure_.savefig(path, dpi=150)
 
 

@@ -113,7 +113,8 @@ def _limbs(parameters: Mapping[str, float], side: str, sign: float) -> dict[str,
     }
     return {
         f"{side}_{joint}": tuple(
-            place + parameters[f"{side}_{joint}_shift_{axis}"] for axis, place in zip("xyz", straight[joint], strict=True)
+            place + parameters[f"{side}_{joint}_shift_{axis}"]
+            for axis, place in zip("xyz", straight[joint], strict=True)
         )
         for joint in LIMB_JOINTS
     }

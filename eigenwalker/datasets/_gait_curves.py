@@ -21,10 +21,11 @@ __all__ = ["AXIAL_CURVES", "HEEL_LIFT", "LIMB_CURVES", "NORMATIVE", "N_HARMONICS
 
 N_HARMONICS = 6
 
-# (percent of the stride, degrees). Flexion, dorsiflexion and abduction are positive.
+# (percent of the stride, degrees). Flexion, dorsiflexion, abduction and inward rotation are positive. The swing curves
+# of the arms' rotation and abduction are small and not well documented; their means carry the hands before the thighs.
 _LIMB_KEYS = {
     "hip_flexion": (
-        (0, 21), (6, 20), (12, 16.5), (20, 8.5), (31, -3.5), (42, -13.5), (51, -18.5), (62, -8), (75, 15), (86, 24), (94, 23),
+        (0, 21.5), (6, 20.5), (12, 17), (20, 8.5), (31, -3.5), (42, -14), (51, -19), (62, -8), (75, 15), (86, 24), (94, 23),
     ),
     "knee_flexion": (
         (0, 5), (7, 11.5), (15, 17), (28, 10.5), (40, 5), (50, 10), (62, 39), (72, 61), (80, 50), (88, 22), (96, 4),
@@ -33,8 +34,10 @@ _LIMB_KEYS = {
         (0, 0), (7, -5.5), (18, 3), (31, 9), (44, 10.5), (52, 4), (62, -16), (70, -10), (80, 0), (90, 2),
     ),
     "hip_abduction": ((5, -2.8), (30, -4.1), (55, -2.8), (80, -1.5)),
+    "hip_rotation": ((5, 1), (30, 2), (55, -2), (80, -3)),
     "shoulder_flexion": ((2, -21), (27, -4), (52, 13), (77, -4)),
     "shoulder_abduction": ((0, 10), (25, 8.6), (50, 9), (75, 9.4)),
+    "shoulder_rotation": ((2, 22), (27, 25), (52, 28), (77, 25)),
     "elbow_flexion": ((4, 17), (30, 25), (54, 38), (80, 27)),
 }  # fmt: skip
 
@@ -47,6 +50,7 @@ _AXIAL_KEYS = {
     "trunk_obliquity": ((0, 0.0), (25, -2.0), (50, 0.0), (75, 2.0)),
     "trunk_rotation": ((3, 4.0), (28, 0.0), (53, -4.0), (78, 0.0)),
     "neck_flexion": ((5, 7.2), (30, 8.8), (55, 7.2), (80, 8.8)),
+    "neck_obliquity": ((0, 0.0), (25, 1.0), (50, 0.0), (75, -1.0)),
 }
 
 LIMB_CURVES = tuple(_LIMB_KEYS)

@@ -15,7 +15,6 @@ __all__ = ["Posture", "posture", "stance_height", "stance_velocity", "support"]
 _LOADING = 0.13  # strides over which the body's weight goes from one foot to the other
 _EARLY = 0.03  # strides before its phase zero at which a foot, already near the ground, begins to carry
 _SOFTNESS = 0.004  # metres by which heel or ball must be lower to be the one on the ground
-_HUMERAL_ROTATION = np.deg2rad(25.0)  # inward, so that the forearms swing toward the mid-line
 
 
 class Posture(NamedTuple):
@@ -57,15 +56,14 @@ def posture(
     upright = conjugate(pelvis)
     rotations[:, JOINTS.index("pelvis")] = rotvec(pelvis)
     rotations[:, JOINTS.index("thorax")] = rotvec(product(upright, trunk))
-    rotations[:, JOINTS.index("clavicle"), 1] = angles["neck_flexion"]
+    nod = product(about("x", angles["neck_obliquity"]), about("y", angles["neck_flexion"]))
+    rotations[:, JOINTS.index("clavicle")] = rotvec(nod)
     for side, sign, limb in (("left", 1.0, left), ("right", -1.0, right)):
         flexion = dict(zip(LIMB_CURVES, limb.T, strict=True))
-        hip = _swung(flexion["hip_flexion"], sign * flexion["hip_abduction"])
-        shoulder = _swung(flexion["shoulder_flexion"], sign * flexion["shoulder_abduction"])
-        inward = about("z", -sign * _HUMERAL_ROTATION)
+        hip, shoulder = (_swung(flexion, joint, sign) for joint in ("hip", "shoulder"))
         # The angles of the hip are those of the thigh in the room, so the pelvis is taken out.
         rotations[:, JOINTS.index(f"{side}_hip")] = rotvec(product(upright, hip))
-        rotations[:, JOINTS.index(f"{side}_shoulder")] = rotvec(product(shoulder, inward))
+        rotations[:, JOINTS.index(f"{side}_shoulder")] = rotvec(shoulder)
         rotations[:, JOINTS.index(f"{side}_knee"), 1] = flexion["knee_flexion"]
         rotations[:, JOINTS.index(f"{side}_ankle"), 1] = -flexion["ankle_dorsiflexion"]
         rotations[:, JOINTS.index(f"{side}_elbow"), 1] = -flexion["elbow_flexion"]
@@ -82,9 +80,10 @@ def _turned(angles: dict[str, NDArray[np.float64]], part: str) -> NDArray[np.flo
     return product(level, about("y", angles[f"{part}_tilt"]))
 
 
-def _swung(flexion: NDArray[np.float64], sideways: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Lift a hanging limb forward within a plane that is turned to the left."""
-    return product(about("x", sideways), about("y", -flexion))
+def _swung(angles: dict[str, NDArray[np.float64]], joint: str, sign: float) -> NDArray[np.float64]:
+    """Turn a hanging limb inward about its axis, lift it forward, and then the plane it moves in outward."""
+    flexed = product(about("x", sign * angles[f"{joint}_abduction"]), about("y", -angles[f"{joint}_flexion"]))
+    return product(flexed, about("z", -sign * angles[f"{joint}_rotation"]))
 
 
 def support(phase: NDArray[np.float64]) -> NDArray[np.float64]:

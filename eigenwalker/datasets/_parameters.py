@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from eigenwalker.datasets._anatomy import BODY_PARAMETERS, LIMB_JOINTS
+from eigenwalker.datasets._anatomy import BODY_PARAMETERS
 from eigenwalker.datasets._gait_curves import AXIAL_CURVES, LIMB_CURVES
 
 __all__ = ["CURVE_TERMS", "PARAMETERS", "SIDE_TERMS", "average_parameters", "individual_sd", "unit_of"]
@@ -29,7 +29,7 @@ _WITHOUT_UNIT = {"gain", "delay", "side_gain"}
 # Standard deviations between people that no trait explains. Body: metres and relative deviations.
 _BODY_SD = {
     "stature": 0.0,  # it is a trait
-    "leg_length": 0.022,
+    "leg_length": 0.018,
     "shank_share": 0.012,
     "arm_length": 0.028,
     "forearm_share": 0.010,
@@ -38,35 +38,38 @@ _BODY_SD = {
     "hip_breadth": 0.070,
     "pelvis_depth": 0.008,
     "shoulder_lift": 0.012,
-    "shoulder_forward": 0.013,
+    "shoulder_forward": 0.011,
     "clavicle_forward": 0.010,
     "head_forward": 0.012,
 }
 _SHIFT_SD = {
-    "shoulder": (0.006, 0.005, 0.007),
-    "elbow": (0.007, 0.008, 0.005),
-    "wrist": (0.007, 0.007, 0.005),
-    "hip": (0.005, 0.004, 0.005),
-    "knee": (0.007, 0.009, 0.004),
-    "ankle": (0.007, 0.008, 0.003),
+    "shoulder": (0.008, 0.007, 0.008),
+    "elbow": (0.010, 0.010, 0.005),
+    "wrist": (0.010, 0.010, 0.005),
+    "hip": (0.007, 0.005, 0.005),
+    "knee": (0.010, 0.011, 0.004),
+    "ankle": (0.010, 0.010, 0.003),
 }
 # Curves: mean (degrees), gain, delay (strides), first, second and third harmonic (degrees); left minus right: mean,
 # gain, first and second harmonic.
 _CURVE_SD: dict[str, tuple[float, ...]] = {
-    "hip_flexion": (1.5, 0.050, 0.005, 1.2, 1.0, 0.6, 1.2, 0.03, 0.9, 0.8),
-    "knee_flexion": (2.8, 0.050, 0.008, 2.2, 2.0, 1.2, 2.0, 0.03, 1.6, 1.5),
-    "ankle_dorsiflexion": (2.2, 0.100, 0.010, 1.5, 1.4, 1.0, 1.5, 0.04, 1.2, 1.2),
-    "hip_abduction": (0.7, 0.15, 0.015, 0.5, 0.4, 0.2, 0.6, 0.05, 0.4, 0.4),
-    "shoulder_flexion": (4.0, 0.22, 0.025, 3.0, 2.0, 0.8, 3.0, 0.12, 3.0, 2.0),
-    "shoulder_abduction": (3.0, 0.30, 0.030, 2.2, 1.5, 0.5, 2.2, 0.10, 2.0, 1.5),
-    "elbow_flexion": (6.0, 0.30, 0.030, 4.0, 3.0, 1.2, 5.0, 0.15, 4.0, 3.0),
-    "pelvis_tilt": (3.5, 0.30, 0.03, 0.4, 0.8, 0.2),
-    "pelvis_obliquity": (0.9, 0.20, 0.02, 1.5, 0.5, 0.4),
-    "pelvis_rotation": (1.5, 0.25, 0.02, 1.8, 0.6, 0.5),
-    "trunk_tilt": (2.2, 0.30, 0.03, 0.5, 0.7, 0.2),
-    "trunk_obliquity": (1.0, 0.25, 0.02, 0.9, 0.4, 0.3),
-    "trunk_rotation": (2.2, 0.25, 0.02, 1.8, 0.7, 0.4),
-    "neck_flexion": (4.5, 0.30, 0.03, 0.8, 1.0, 0.3),
+    "hip_flexion": (1.2, 0.030, 0.005, 1.1, 1.3, 0.9, 2.2, 0.05, 2.3, 1.9),
+    "hip_abduction": (0.6, 0.12, 0.015, 0.50, 0.40, 0.25, 1.1, 0.08, 0.9, 0.8),
+    "hip_rotation": (3.0, 0.30, 0.03, 2.6, 2.5, 1.0, 4.5, 0.20, 4.0, 4.0),
+    "knee_flexion": (2.2, 0.045, 0.008, 2.4, 2.5, 1.5, 3.5, 0.05, 4.0, 3.7),
+    "ankle_dorsiflexion": (2.0, 0.100, 0.010, 1.8, 1.8, 1.3, 2.5, 0.08, 2.5, 2.5),
+    "shoulder_flexion": (2.3, 0.11, 0.016, 2.1, 1.9, 0.8, 4.2, 0.15, 4.2, 3.3),
+    "shoulder_abduction": (1.8, 0.18, 0.020, 1.8, 1.5, 0.6, 3.5, 0.15, 3.3, 2.6),
+    "shoulder_rotation": (5.0, 0.25, 0.020, 3.7, 2.8, 0.8, 9.0, 0.20, 5.5, 4.0),
+    "elbow_flexion": (4.0, 0.20, 0.020, 3.2, 3.0, 1.2, 6.5, 0.20, 6.0, 5.0),
+    "pelvis_tilt": (3.5, 0.30, 0.03, 0.7, 1.2, 0.3),
+    "pelvis_obliquity": (1.2, 0.20, 0.02, 1.6, 0.8, 0.4),
+    "pelvis_rotation": (2.2, 0.25, 0.02, 2.2, 1.0, 0.6),
+    "trunk_tilt": (1.7, 0.30, 0.03, 0.9, 0.9, 0.3),
+    "trunk_obliquity": (1.2, 0.25, 0.02, 1.0, 0.8, 0.4),
+    "trunk_rotation": (2.3, 0.25, 0.02, 2.0, 1.2, 0.5),
+    "neck_flexion": (3.5, 0.30, 0.03, 1.4, 1.3, 0.4),
+    "neck_obliquity": (2.9, 0.30, 0.03, 1.9, 1.3, 0.4),
 }
 _OTHER_SD = {"bounce": np.deg2rad(1.2), "frequency": 0.036}
 
@@ -75,7 +78,7 @@ def unit_of(parameter: str) -> float:
     """Return what one unit of this module's tables is in SI: a degree in radians for angles, else 1."""
     is_angle = parameter.endswith(CURVE_TERMS + SIDE_TERMS) and parameter.startswith(LIMB_CURVES + AXIAL_CURVES)
     has_unit = not any(parameter.endswith(f"_{term}") for term in _WITHOUT_UNIT)
-    return float(np.deg2rad(1.0)) if is_angle and has_unit or parameter == "bounce" else 1.0
+    return float(np.deg2rad(1.0)) if (is_angle and has_unit) or parameter == "bounce" else 1.0
 
 
 def average_parameters() -> NDArray[np.float64]:

@@ -9,10 +9,10 @@ from eigenwalker.datasets._walker import Walker, walker_markers
 
 __all__ = ["record_on_floor", "record_on_treadmill"]
 
-_TIMING_WANDER = 0.006  # strides, slow
-_TIMING_JITTER = 0.0035  # strides, from stride to stride
-_ARM_TIMING = 0.010  # strides, of the arms against the legs
-_LEG_AMPLITUDE, _ARM_AMPLITUDE = 0.015, 0.08
+_TIMING_WANDER = 0.010  # strides, slow
+_TIMING_JITTER = 0.005  # strides, from stride to stride
+_ARM_TIMING = 0.012  # strides, of the arms against the legs
+_LEG_AMPLITUDE, _ARM_AMPLITUDE = 0.02, 0.10
 _SPEED_WANDER = 0.025  # relative, of walks over the floor
 _CURVATURE, _HEADING_WANDER = 0.006, 0.015  # radians per metre, radians
 _SLOW, _QUICK = (0.04, 0.2), (0.2, 0.8)  # hertz

@@ -5,11 +5,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from eigenwalker.datasets._anatomy import BODY_PARAMETERS, body_skeleton
+from eigenwalker.datasets._anatomy import BODY_PARAMETERS, JOINTS, body_skeleton
 from eigenwalker.datasets._gait_curves import (
     AXIAL_CURVES,
     HEEL_LIFT,
     LIMB_CURVES,
+    N_HARMONICS,
     NORMATIVE,
     curve_values,
     shift_curve,
@@ -21,7 +22,7 @@ from eigenwalker.motion import TROJE15, Skeleton, fit_harmonics, reference_phase
 __all__ = ["FEATURES", "Walker", "make_walker", "stride_features", "walker_markers"]
 
 _CYCLE = np.arange(128) / 128  # phases of the closed stride
-_SWAY_HARMONICS = 5
+_STEADINESS = 0.65  # share of the pelvis's surging that the hips take up
 _WAVES = ("sin1", "cos1", "sin2", "cos2", "sin3", "cos3")
 
 FEATURES = (
@@ -65,9 +66,27 @@ def make_walker(parameters: NDArray[np.float64]) -> Walker:
     skeleton = body_skeleton({name: named[name] for name in BODY_PARAMETERS})
     axial = np.array([_curve(named, name, side=0.0) for name in AXIAL_CURVES])
     left, right = (np.array([_curve(named, name, side=side) for name in LIMB_CURVES]) for side in (0.5, -0.5))
-    still = Walker(skeleton, axial, left, right, np.zeros((2, 3)), 0.0, named["frequency"])
-    velocity = stance_velocity(_posture(still, _CYCLE, _CYCLE, 1.0, 1.0).soles, support(_CYCLE))
-    return still._replace(sway=_integrate(velocity), stride_length=float(velocity[:, 0].mean()))
+    loose = Walker(skeleton, axial, left, right, np.zeros((2, 2 * N_HARMONICS + 1)), 0.0, named["frequency"])
+    return _on_the_ground(_steadied(_on_the_ground(loose)))
+
+
+def _on_the_ground(walker: Walker) -> Walker:
+    """Move the pelvis so that the standing foot stays where it is."""
+    velocity = stance_velocity(_posture(walker, _CYCLE, _CYCLE, 1.0, 1.0).soles, support(_CYCLE))
+    return walker._replace(sway=_integrate(velocity), stride_length=float(velocity[:, 0].mean()))
+
+
+def _steadied(walker: Walker) -> Walker:
+    """Swing the thighs so that the feet stay where they are while the pelvis surges less.
+
+    Stiff curves would shake the pelvis back and forth by their individual deviations, which nobody does.
+    """
+    legs = -np.sum(walker.skeleton.offsets[[JOINTS.index("left_knee"), JOINTS.index("left_ankle")], 2])
+    swing = _STEADINESS * walker.sway[0] / legs
+    left, right = walker.left.copy(), walker.right.copy()
+    left[LIMB_CURVES.index("hip_flexion")] += swing
+    right[LIMB_CURVES.index("hip_flexion")] += shift_curve(swing, 0.5)
+    return walker._replace(left=left, right=right)
 
 
 def _curve(named: dict[str, float], curve: str, *, side: float) -> NDArray[np.float64]:
@@ -84,8 +103,8 @@ def _curve(named: dict[str, float], curve: str, *, side: float) -> NDArray[np.fl
 
 def _integrate(velocity: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the coefficients, without a mean, of the periodic path that has a velocity per stride."""
-    waves = fit_harmonics(velocity, len(velocity), 1.0, _SWAY_HARMONICS)
-    steps = 2 * np.pi * np.arange(1, _SWAY_HARMONICS + 1)[:, np.newaxis]
+    waves = fit_harmonics(velocity, len(velocity), 1.0, N_HARMONICS)
+    steps = 2 * np.pi * np.arange(1, N_HARMONICS + 1)[:, np.newaxis]
     path = np.zeros_like(waves)
     path[1::2], path[2::2] = waves[2::2] / steps, -waves[1::2] / steps
     return path.T

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigenwalker._validation import check_walks
-from eigenwalker.motion.phase import phase_weights, stride_frequency
 from eigenwalker.motion.fourier import evaluate_harmonics, fit_harmonics, reference_phase, shift_phase
-from eigenwalker.motion.walk import Walk
+from eigenwalker.motion.phase import phase_weights, stride_frequency
+from eigenwalker.motion.walk import JointWalk, Walk
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -88,7 +88,7 @@ class StickFigureDisplay:
     @classmethod
     def from_walks(
         cls,
-        walks: Sequence[Walk],
+        walks: Sequence[Walk | JointWalk],
         *,
         view: str | float = "half-profile",
         n_phases: int = 6,
@@ -134,7 +134,8 @@ class StickFigureDisplay:
         if ax is None:
             figure = Figure(figsize=(1.1 * self.n_phases + 1.2, 2.2 * len(self.walks) + 0.2), layout="constrained")
             ax = figure.add_subplot()
-        self.ax_, self.figure_ = ax, ax.figure
+        self.ax_ = ax
+        self.figure_: Figure = ax.get_figure(root=True)
         postures = [_postures(walk, self.n_phases) for walk in self.walks]
         seen = [project(posture, self.azimuth) for posture in postures]
         width = 1.15 * max(np.ptp(picture[..., 0]) for picture in seen)
@@ -146,7 +147,7 @@ class StickFigureDisplay:
                 offset = np.array([column * width - middle, floor])
                 _draw_figure(ax, walk, picture[column], offset)
             ax.plot([-0.5 * width, (self.n_phases - 0.5) * width], [floor, floor], color="0.8", lw=0.8, zorder=0)
-            ax.text(-0.55 * width, floor + 0.45 * height, walk.name, ha="right", va="center")
+            ax.text(-0.48 * width, floor - 0.02 * height, walk.name, ha="left", va="top")
         ax.set_aspect("equal")
         ax.set_axis_off()
         return self
@@ -170,7 +171,10 @@ def _draw_figure(ax: Axes, walk: Walk, picture: NDArray[np.float64], offset: NDA
     for first, second in walk.marker_set.sticks:
         ends = [walk.marker_set.index(first), walk.marker_set.index(second)]
         near = float(nearness[ends].mean()) / reach
-        ax.plot(*points[ends].T, color=str(round(0.4 - 0.35 * near, 3)), lw=1.6, solid_capstyle="round", zorder=2 + near)
-    ax.scatter(*points.T, s=7, color="black", zorder=4, linewidths=0)
+        ax.plot(
+            *points[ends].T, color=str(round(0.4 - 0.35 * near, 3)), lw=1.6, solid_capstyle="round", zorder=2 + near
+        )
+    ax.scatter(points[:, 0], points[:, 1], s=7, color="black", zorder=4, linewidths=0)
     if "head" in walk.marker_set.names:
-        ax.scatter(*points[walk.marker_set.index("head")], s=60, color="black", zorder=4, linewidths=0)
+        head = points[walk.marker_set.index("head")]
+        ax.scatter(head[0], head[1], s=60, color="black", zorder=4, linewidths=0)

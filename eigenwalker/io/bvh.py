@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigenwalker._validation import WalkError
+from eigenwalker.io._bvh_text import BvhText, parse_bvh
 from eigenwalker.io._units import check_up, meters_per_unit, to_package_axes
 from eigenwalker.motion.body import check_leg_length
-from eigenwalker.io._bvh_text import BvhText, parse_bvh
 from eigenwalker.motion.rotations import rotvec_from_euler, unroll_rotvec
 from eigenwalker.motion.skeleton import Skeleton, find_rig
 from eigenwalker.motion.walk import JointWalk

@@ -40,9 +40,7 @@ class Axes(NamedTuple):
     spread: NDArray[np.float64]
 
 
-def fit_axes(
-    scores: NDArray[np.float64], labels: NDArray[np.float64], groups: NDArray[np.intp] | None = None
-) -> Axes:
+def fit_axes(scores: NDArray[np.float64], labels: NDArray[np.float64], groups: NDArray[np.intp] | None = None) -> Axes:
     """Return the least-squares axes of labels on scores, with intercept (Troje 2002, Eq. 5).
 
     Parameters

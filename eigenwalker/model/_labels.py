@@ -88,7 +88,7 @@ def _learn_one(name: str, known: pd.Series, poles: Sequence[Hashable] | None) ->
         raise ValueError(f"trait {name!r}: expected labels, got none but missing ones")
     numeric = pd.api.types.is_numeric_dtype(_as_numbers(known)) and not pd.api.types.is_bool_dtype(known)
     if numeric:
-        return Coding(name, tuple(poles) if poles is not None else ("low", "high"), two_valued=False)
+        return Coding(name, (poles[0], poles[1]) if poles is not None else ("low", "high"), two_valued=False)
     values = sorted(known.unique().tolist(), key=str)
     if len(values) == 1:
         raise ValueError(f"trait {name!r}: expected two classes, got one class only, {values[0]!r}")

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -152,29 +153,26 @@ def walk_at(
 def _walks(
     model: Pipeline, names: list[str], alphas: NDArray[np.float64], base: Walk | JointWalk | None, hold: list[str]
 ) -> list[Walk | JointWalk]:
-    trait = model[-1]
-    linearizer, reduce = _split(model)
     both = sorted(set(names) & set(hold))
     if both:
         raise ValueError(f"a trait is either set or held, got both for {', '.join(both)}")
-    specified = [*names, *hold]
+    trait, specified = model[-1], [*names, *hold]
+    before, linearizer, reduction = _split(model)
+    kept: dict[str, Any] = {}
     if base is None:
-        vector, score = 0.0, trait.inverse_transform(np.zeros((1, len(trait.trait_names_))))
+        score, rest = trait.mean_[np.newaxis], np.zeros(1)
         start = np.zeros(len(specified))
     else:
+        base = before.transform([base])[0] if before else base
         vector = np.asarray(linearizer.transform([base]))
-        score = np.asarray(reduce.transform(vector))
-        columns = [trait.trait_names_.index(name) for name in specified]
-        start = np.asarray(trait.transform(score))[0, columns]
+        score = np.asarray(reduction.transform(vector))
+        rest = vector - np.asarray(reduction.inverse_transform(score))  # what the Eigenwalkers leave out of the base
+        start = np.asarray(trait.transform(score))[0, [trait.trait_names_.index(name) for name in specified]]
+        kept = {name: getattr(base, name) for name in ("speed", "size") if name not in linearizer.extras}
     wanted = np.hstack((alphas, np.tile(start[len(names) :], (len(alphas), 1))))
-    moved = np.asarray(reduce.inverse_transform(score + trait.step(wanted - start, specified)))
-    if base is not None:
-        # What the Eigenwalkers leave out of the base is in its vector, and cancels in the difference.
-        moved = vector + moved - np.asarray(reduce.inverse_transform(score))
-    walks = linearizer.inverse_transform(moved)
-    kept = {} if base is None else {"size": base.size, "speed": base.speed}
-    known = {name: kept[name] for name in kept if name not in linearizer.extras}
-    return [replace(walk, name=_label(names, row), **known) for walk, row in zip(walks, alphas, strict=True)]
+    vectors = rest + np.asarray(reduction.inverse_transform(score + trait.step(wanted - start, specified)))
+    walks = linearizer.inverse_transform(vectors)
+    return [replace(walk, name=_label(names, row), **kept) for walk, row in zip(walks, alphas, strict=True)]
 
 
 def _label(names: list[str], alphas: NDArray[np.float64]) -> str:
@@ -188,12 +186,12 @@ def _trait_name(model: Pipeline, trait: str | int) -> str:
             raise ValueError(f"trait must be a position below {len(names)} or one of {names}, got {trait}")
         return names[trait]
     check_choice(trait, names, name="trait")
-    return trait
+    return str(trait)
 
 
-def _split(model: Pipeline) -> tuple[FourierLinearizer, Pipeline]:
-    """Return the linearizer and the steps between it and the trait."""
+def _split(model: Pipeline) -> tuple[Pipeline | None, FourierLinearizer, Pipeline]:
+    """Return the steps before the linearizer, the linearizer, and the steps between it and the trait."""
     for position, (_, step) in enumerate(model.steps):
         if isinstance(step, FourierLinearizer):
-            return step, model[position + 1 : -1]
+            return model[:position] if position else None, step, model[position + 1 : -1]
     raise ValueError(f"model must have a FourierLinearizer among its steps, got {[name for name, _ in model.steps]}")

@@ -3,7 +3,7 @@
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -272,14 +272,14 @@ class FourierLinearizer(TransformerMixin, BaseEstimator):
 
 def _one_frame(walk: Walk | JointWalk) -> Walk | JointWalk:
     """Keep the kind and the channels of a walk, and one frame, without what is its own."""
-    plain = {"name": "", "speed": float("nan"), "size": 1.0}
+    plain: dict[str, Any] = {"name": "", "speed": float("nan"), "size": 1.0}
     if isinstance(walk, JointWalk):
         still = {joint: path[:1] for joint, path in walk.translations.items()}
         return replace(walk, rotations=walk.rotations[:1], root=walk.root[:1], translations=still, **plain)
     return replace(walk, positions=walk.positions[:1], **plain)
 
 
-def _fill_template(template: Walk | JointWalk, channels: NDArray[np.float64], **fields: object) -> Walk | JointWalk:
+def _fill_template(template: Walk | JointWalk, channels: NDArray[np.float64], **fields: Any) -> Walk | JointWalk:
     if isinstance(template, JointWalk):
         fields["root"] = np.repeat(template.root, len(channels), axis=0)
         fields["translations"] = {

@@ -11,8 +11,8 @@ from eigenwalker.motion.fourier import (
     reference_phase,
     shift_phase,
 )
-from eigenwalker.motion.preparation import WalkPreparer, mirror_walk, prepare, prepare_walks
 from eigenwalker.motion.phase import phase_weights, stride_frequency
+from eigenwalker.motion.preparation import WalkPreparer, mirror_walk, prepare, prepare_walks
 from eigenwalker.motion.quality import WalkQuality, walk_quality
 from eigenwalker.motion.rotations import forward_kinematics, rotvec_from_euler, unroll_rotvec
 from eigenwalker.motion.skeleton import RIGS, TROJE15, MarkerSet, Rig, Skeleton, find_rig
@@ -38,10 +38,9 @@ __all__ = [
     "fit_harmonics",
     "forward_kinematics",
     "mirror_walk",
+    "phase_weights",
     "prepare",
     "prepare_walks",
-    "phase_weights",
-
     "reference_phase",
     "rotvec_from_euler",
     "shift_phase",

@@ -89,9 +89,7 @@ def _check_sampling(n_frames: int, frame_rate: float, frequency: float, n_harmon
         raise ValueError(f"expected at least {2 * n_harmonics + 1} frames for {n_harmonics} harmonics, got {n_frames}")
 
 
-def evaluate_harmonics(
-    coefficients: NDArray[np.floating], frequency: float, times: ArrayLike
-) -> NDArray[np.float64]:
+def evaluate_harmonics(coefficients: NDArray[np.floating], frequency: float, times: ArrayLike) -> NDArray[np.float64]:
     """Return the walk that coefficients stand for (Troje 2002, Eq. 1 without its residual).
 
     Parameters
@@ -181,9 +179,7 @@ def reference_phase(coefficients: NDArray[np.floating], weights: NDArray[np.floa
     return float(np.arctan2(coefficients[1] @ weights, coefficients[2] @ weights))
 
 
-def explained_power(
-    channels: NDArray[np.floating], frame_rate: float, frequency: float, n_harmonics: int
-) -> float:
+def explained_power(channels: NDArray[np.floating], frame_rate: float, frequency: float, n_harmonics: int) -> float:
     """Return the share of a walk's power that its harmonics explain, between 0 and 1.
 
     1 - SS_residual / SS, both sums of squares pooled over all channels, about each channel's mean over time.

@@ -91,7 +91,7 @@ def steady_stretch(
     -------
     slice
     """
-    window = min(int(round(frame_rate / frequency)), len(floor_points) - 2)
+    window = min(round(frame_rate / frequency), len(floor_points) - 2)
     if window < 1:
         return slice(0, len(floor_points))
     sums = np.vstack((np.zeros(2), np.cumsum(floor_points, axis=0)))

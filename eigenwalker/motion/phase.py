@@ -33,9 +33,7 @@ def phase_weights(walk: Walk | JointWalk, phase_reference: str | Mapping[str, fl
         If `phase_reference` is another string or names no channel.
     """
     if isinstance(phase_reference, str) and phase_reference != "auto":
-        raise ValueError(
-            f"phase_reference must be 'auto' or a mapping of channels to weights, got {phase_reference!r}"
-        )
+        raise ValueError(f"phase_reference must be 'auto' or a mapping of channels to weights, got {phase_reference!r}")
     wanted = walk.phase_channels if isinstance(phase_reference, str) else phase_reference
     if not wanted or not any(wanted.values()):
         raise ValueError("phase_reference must name at least one channel with a weight other than zero, got none")

@@ -3,7 +3,7 @@
 import warnings
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,7 @@ __all__ = ["WalkPreparer", "mirror_walk", "prepare", "prepare_walks"]
 _NEEDED = ("pelvis", "left_hip", "right_hip", "left_ankle", "right_ankle")
 _TRAVEL_SPEED = 0.15  # m/s over the whole clip; slower is swaying on a treadmill, not going anywhere
 _JUMP_SPEED = 15.0  # m/s of the pelvis between two frames; no body moves like that
+_MAX_ROUNDS = 20
 _ENOUGH_STRIDES = 2.0  # a steady part with fewer is widened
 
 
@@ -184,15 +185,18 @@ def _steady_part(walk: Walk, frequency_range: tuple[float, float]) -> Walk:
 def _onto_treadmill(walk: Walk, frequency_range: tuple[float, float]) -> Walk:
     """Take the path of the pelvis out of all markers.
 
-    The frequency of the harmonics in the path is found on the walk without its path, hence two rounds.
+    The path is fitted together with harmonics of a frequency that is found in the walk without its path; the two
+    are repeated until they agree.
     """
-    frequency = _guess_frequency(walk, frequency_range)
-    for _ in range(2):
+    frequency, before = _guess_frequency(walk, frequency_range), 0.0
+    for _ in range(_MAX_ROUNDS):
+        if abs(frequency - before) < 1e-9 * frequency:
+            break
         path = fit_path(_floor(walk, "pelvis"), walk.frame_rate, frequency)
         positions = walk.positions.copy()
         positions[:, :, :2] -= path.points[:, np.newaxis]
         matrix = positions.reshape(len(positions), -1)  # (n_frames, n_markers, 3) -> (n_frames, 3 n_markers)
-        frequency = estimate_frequency(matrix, walk.frame_rate, start=frequency)
+        frequency, before = estimate_frequency(matrix, walk.frame_rate, start=frequency), frequency
     return replace(walk, positions=positions, speed=float(np.hypot(*path.velocity)))
 
 
@@ -226,7 +230,7 @@ def prepare_walks(
     n_jobs: int | None = None,
     progress: bool = False,
     on_error: str = "raise",
-    **options: object,
+    **options: Any,
 ) -> list[Walk]:
     """Return the prepared walks of a list, in its order.
 

@@ -78,7 +78,7 @@ def _rotvec_from_euler(angles, axes):
 
 
 def unroll_rotvec(rotvec: ArrayLike) -> NDArray[np.float64]:
-    """Return the same rotations as exponential maps without jumps from frame to frame.
+    r"""Return the same rotations as exponential maps without jumps from frame to frame.
 
     r and r (1 - 2 pi k / \\|r\\|) are the same rotation for every whole k. In each frame the one nearest
     to the frame before is taken.

@@ -130,9 +130,7 @@ class Skeleton:
         object.__setattr__(self, "parents", parents)
         object.__setattr__(self, "end_parents", ends)
         object.__setattr__(self, "offsets", check_array(self.offsets, shape=(len(names), 3), name="offsets"))
-        object.__setattr__(
-            self, "end_offsets", check_array(self.end_offsets, shape=(len(ends), 3), name="end_offsets")
-        )
+        object.__setattr__(self, "end_offsets", check_array(self.end_offsets, shape=(len(ends), 3), name="end_offsets"))
 
     def __setstate__(self, state: dict[str, object]) -> None:
         restore_read_only(self, state)

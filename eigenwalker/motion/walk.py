@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -91,7 +92,7 @@ class Walk:
         """Return the path of one marker, shape (n_frames, 3), in metres."""
         return self.positions[:, self.marker_set.index(name)]
 
-    def with_channels(self, channels: ArrayLike, **changes: object) -> "Walk":
+    def with_channels(self, channels: ArrayLike, **changes: Any) -> "Walk":
         """Return a copy with other channels, shape (n_frames, n_channels), and with `changes` of other fields."""
         matrix = check_array(channels, shape=("n_frames", len(self.channel_names)), name="channels")
         positions = matrix.reshape(len(matrix), -1, 3)  # (n_frames, 3 n_markers) -> (n_frames, n_markers, 3)
@@ -177,7 +178,7 @@ class JointWalk:
         """Channels, with weights, whose sum carries the phase: left minus right hip flexion, named by the rig."""
         return dict(find_rig(self.skeleton.joint_names).hip_flexion)
 
-    def with_channels(self, channels: ArrayLike, **changes: object) -> "JointWalk":
+    def with_channels(self, channels: ArrayLike, **changes: Any) -> "JointWalk":
         """Return a copy with other rotations, shape (n_frames, n_channels), and with `changes` of other fields.
 
         The root path must be among the changes when the number of frames is another one.

@@ -27,7 +27,7 @@ def test_legs_of_people_pass(leg):
 @pytest.mark.parametrize(
     ("leg", "unit", "advice"),
     [
-        (85.0, "m", r"walk 'anna': legs are 85 m long with unit='m', expected 0\.3 to 1\.3 m; unit='cm'"),
+        (85.0, "m", r"walk 'anna': legs are 85 m long with unit='m', expected 0\.3 to 1\.3 m; read it with unit='cm'"),
         (850.0, "m", r"unit='mm'"),
         (0.0085, "cm", r"unit='m'"),
         (0.35 / 2.54, "cm", r"metres per unit, about 0\.062 for legs of 0\.85 m"),

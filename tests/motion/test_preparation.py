@@ -1,0 +1,173 @@
+"""From a recording to the treadmill, and back over the floor."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from eigenwalker import WalkError, WalkPreparer, make_walkers, prepare
+from eigenwalker.model import FourierLinearizer
+from eigenwalker.motion import TROJE15, MarkerSet, Walk, mirror_walk, prepare_walks, walk_quality
+from tests import contract
+from tests.synthetic import make_walk
+
+
+def _overground(seed=0, *, speed=1.3, n_cycles=6.0, noise=0.0, bend=0.0):
+    """Return a walk that goes along x, with or without a bend, and the same walk in place."""
+    still, _ = make_walk(np.random.default_rng(seed), n_cycles=n_cycles, noise=noise, name="anna")
+    pelvis = still.marker("pelvis").mean(axis=0)
+    still = replace(still, positions=still.positions - [*pelvis[:2], 0.0])
+    times = np.arange(still.n_frames) / still.frame_rate
+    path = np.column_stack((speed * times, bend * (times / times[-1]) ** 2, np.zeros_like(times)))
+    return replace(still, positions=still.positions + path[:, np.newaxis]), still
+
+
+def _features(*walks):
+    return FourierLinearizer().fit_transform(list(walks))
+
+
+def test_a_straight_path_is_taken_out_whole():
+    moving, still = _overground()
+    prepared = prepare(moving, clip="whole")
+    assert_allclose(prepared.speed, 1.3, atol=0.01)
+    assert_allclose(_features(prepared), _features(still), atol=1e-6)
+
+
+@pytest.mark.parametrize("degrees", [37.0, 90.0, 180.0, -123.0])
+def test_heading_changes_nothing(degrees):
+    moving, _ = _overground(noise=0.002)
+    angle = np.deg2rad(degrees)
+    turn = np.array([[np.cos(angle), np.sin(angle), 0], [-np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
+    turned = replace(moving, positions=moving.positions @ turn)
+    assert_allclose(_features(prepare(turned)), _features(prepare(moving)), atol=1e-6)
+
+
+@pytest.mark.parametrize("degrees", [37.0, 180.0])
+def test_heading_changes_nothing_in_place(degrees):
+    _, still = _overground(noise=0.002)
+    angle = np.deg2rad(degrees)
+    turn = np.array([[np.cos(angle), np.sin(angle), 0], [-np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
+    turned = replace(still, positions=still.positions @ turn)
+    assert_allclose(_features(prepare(turned)), _features(prepare(still)), atol=1e-6)
+
+
+def test_place_changes_nothing():
+    moving, _ = _overground(noise=0.002)
+    elsewhere = replace(moving, positions=moving.positions + [30.0, -12.0, 0.0])
+    assert_allclose(_features(prepare(elsewhere)), _features(prepare(moving)), atol=1e-6)
+
+
+def test_mirrored_recordings_give_mirrored_walks():
+    moving, _ = _overground(noise=0.002)
+    assert_allclose(prepare(mirror_walk(moving)).positions, mirror_walk(prepare(moving)).positions, atol=1e-9)
+    assert_allclose(mirror_walk(mirror_walk(moving)).positions, moving.positions)
+
+
+def test_a_bend_within_the_model_is_taken_out():
+    """Six strides give the path four coefficients: a parabola is among them. The heading is that of its mean."""
+    moving, still = _overground(bend=0.4)
+    prepared = prepare(moving, clip="whole")
+    turn = np.arctan2(0.4, 1.3 * (still.n_frames - 1) / still.frame_rate)
+    cosine, sine = np.cos(turn), np.sin(turn)
+    turned = still.positions @ np.array([[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1]])
+    assert_allclose(_features(prepared), _features(replace(still, positions=turned)), atol=1e-6)
+
+
+def test_start_and_stop_are_cut_off():
+    moving, _ = _overground(n_cycles=9)
+    times = np.arange(moving.n_frames) / moving.frame_rate
+    lost = 0.8 * (np.exp(-2 * times) - 1) / 2 + 0.8 * np.exp(-2 * times[::-1]) / 2  # slow at both ends
+    slowed = moving.positions + (lost[:, np.newaxis, np.newaxis] * [1.0, 0.0, 0.0])
+    prepared = prepare(replace(moving, positions=slowed))
+    assert 5 < walk_quality(prepared).n_cycles < 8.5
+
+
+def test_in_place_frames_stay_and_speed_is_that_of_the_feet():
+    walks = make_walkers(2, noise=0.0, random_state=3).data
+    for walk in walks:
+        prepared = prepare(replace(walk, speed=np.nan))
+        assert prepared.n_frames == walk.n_frames
+        assert_allclose(prepared.speed, walk.speed, rtol=0.15)
+        assert prepare(walk).speed == walk.speed
+
+
+def test_size_is_taken_out_and_kept():
+    moving, _ = _overground()
+    small, large = (replace(moving, positions=factor * moving.positions) for factor in (0.9, 1.1))
+    alike = [prepare(walk, normalize_size=True) for walk in (small, large)]
+    assert_allclose(alike[0].positions, alike[1].positions, atol=1e-9)
+    assert_allclose(alike[1].size / alike[0].size, 1.1 / 0.9)
+    assert 1.3 < alike[0].size < 1.7
+
+
+def test_inverse_restores_speed_and_size():
+    moving, _ = _overground()
+    preparer = WalkPreparer(clip="whole", normalize_size=True)
+    (back,) = preparer.inverse_transform(preparer.fit_transform([moving]))
+    shift = (moving.positions - back.positions).reshape(moving.n_frames, -1, 3)
+    assert_allclose(shift, np.broadcast_to(shift[0, 0] * [1, 1, 0], shift.shape), atol=1e-3)
+    assert back.size == 1.0
+
+
+def test_inverse_needs_a_speed():
+    _, still = _overground()
+    with pytest.raises(WalkError, match=r"'anna': its speed is unknown.*extras=\('speed',\)"):
+        WalkPreparer().inverse_transform([still])
+
+
+def test_frames_of_zeros_are_left_out_with_a_warning():
+    moving, _ = _overground()
+    positions = np.concatenate((np.zeros((3, 15, 3)), moving.positions + [2.0, 0.0, 0.0]))
+    with pytest.warns(UserWarning, match=r"'anna'.*kept frames 3 to .* left the other 3 out"):
+        prepared = prepare(replace(moving, positions=positions))
+    assert_allclose(_features(prepared), _features(prepare(moving)), atol=1e-6)
+
+
+def _with_gap(walk):
+    positions = walk.positions.copy()
+    positions[7, TROJE15.index("left_knee")] = np.nan
+    return replace(walk, positions=positions)
+
+
+@pytest.mark.parametrize(
+    ("spoil", "message"),
+    [
+        (_with_gap, r"'anna'.*3 NaN or infinite ones in left_knee_x, .*frame 7.*fill the gaps"),
+        (lambda walk: replace(walk, positions=100 * walk.positions), r"legs are 8.* m long.*unit='cm'"),
+        (lambda walk: replace(walk, positions=walk.positions[:40]), "at least one stride|periodic part"),
+        (lambda walk: replace(walk, positions=np.repeat(walk.positions[:1], 600, axis=0)), "periodic part"),
+        (
+            lambda walk: Walk(walk.positions[:, :2], 120, MarkerSet(TROJE15.names[:2]), "anna"),
+            "'anna'.*pelvis, left_hip, right_hip, left_ankle, right_ankle are missing.*it has head, clavicle",
+        ),
+    ],
+)
+def test_bad_walks_are_refused(spoil, message):
+    moving, _ = _overground()
+    with pytest.raises(WalkError, match=message):
+        prepare(spoil(moving))
+
+
+def test_all_refusals_come_at_once():
+    moving, _ = _overground()
+    walks = [moving, replace(_with_gap(moving), name="bert"), replace(moving, positions=moving.positions[:9], name="cleo")]
+    with pytest.raises(WalkError, match=r"(?s)2 of 3 walks.*'bert'.*'cleo'"):
+        prepare_walks(walks)
+    with pytest.warns(UserWarning, match=r"(?s)2 of 3 walks.*'bert'.*'cleo'"):
+        assert [walk.name for walk in prepare_walks(walks, on_error="skip")] == ["anna"]
+
+
+def test_wrong_choices_are_refused():
+    moving, _ = _overground()
+    with pytest.raises(ValueError, match="clip must be one of 'steady', 'whole', got 'best'"):
+        prepare(moving, clip="best")
+    with pytest.raises(ValueError, match="heading must be one of"):
+        prepare(moving, heading="north")
+    with pytest.raises(TypeError, match="expected a Walk or a JointWalk, got ndarray"):
+        prepare(moving.positions)
+
+
+@pytest.mark.parametrize("check", contract.CHECKS, ids=lambda check: check.__name__)
+def test_contract(check):
+    check(WalkPreparer(), [_overground(seed)[0] for seed in range(3)])

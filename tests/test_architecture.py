@@ -1,0 +1,87 @@
+"""The order of the house: imports point one way, importing is cheap and clean, files stay small."""
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+PACKAGE = Path(__file__).parents[1] / "eigenwalker"
+
+# What each part may import of the others. Parts below a part of the same line do not know each other.
+ALLOWED = {
+    "_validation": set(),
+    "_collect": {"_validation"},
+    "motion": {"_validation", "_collect"},
+    "io": {"_validation", "_collect", "motion"},
+    "datasets": {"_validation", "_collect", "motion", "io"},
+    "model": {"_validation", "_collect", "motion"},
+    "persistence": {"_validation", "_collect", "motion", "io", "datasets", "model"},
+    "display": {"_validation", "_collect", "motion", "io", "datasets", "model", "persistence"},
+    "cli": {"_validation", "_collect", "motion", "io", "datasets", "model", "persistence", "display"},
+    "__main__": {"cli"},
+    "__init__": {"_validation", "motion", "io", "datasets", "model", "persistence"},
+}
+
+
+def _modules():
+    return sorted(PACKAGE.rglob("*.py"))
+
+
+def _part(path):
+    return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
+
+
+def _imported_parts(path):
+    """Yield each part of the package that a module imports, wherever in the module."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom):
+            names = (
+                [node.module or ""] if node.module != "eigenwalker" else [f"eigenwalker.{a.name}" for a in node.names]
+            )
+            assert node.level == 0, f"{path}: relative import"
+        elif isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        else:
+            continue
+        yield from (name.split(".")[1] for name in names if name.startswith("eigenwalker."))
+
+
+@pytest.mark.parametrize("path", _modules(), ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_imports_point_one_way(path):
+    part = _part(path)
+    foreign = set(_imported_parts(path)) - {part} - ALLOWED[part]
+    assert not foreign, f"{path.name} in {part} must not import {sorted(foreign)}"
+
+
+@pytest.mark.parametrize("path", _modules(), ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_no_module_grows_too_long(path):
+    assert len(path.read_text(encoding="utf-8").splitlines()) <= 500
+
+
+def test_files_are_named_for_an_idea():
+    assert not {path.stem for path in _modules()} & {"utils", "helpers", "common", "misc", "base"}
+
+
+def test_import_loads_no_pictures_and_writes_no_file(tmp_path):
+    """Byte code apart, which Python writes itself and is told not to here."""
+    before = {path: path.stat().st_mtime_ns for path in PACKAGE.rglob("*")}
+    code = (
+        "import sys, eigenwalker, logging; "
+        "bad = [name for name in ('matplotlib', 'skops', 'dask', 'anywidget', 'IPython') if name in sys.modules]; "
+        "assert not bad, bad; assert not logging.getLogger().handlers"
+    )
+    command = [sys.executable, "-B", "-W", "error", "-c", code]
+    subprocess.run(command, check=True, cwd=tmp_path, env={"PYTHONPATH": str(PACKAGE.parent), "HOME": str(tmp_path)})
+    assert not list(tmp_path.iterdir())
+    assert {path: path.stat().st_mtime_ns for path in PACKAGE.rglob("*")} == before
+
+
+def test_public_names_are_sorted_and_there():
+    import eigenwalker
+
+    # Constants, then classes, then functions, as ruff sorts them.
+    kinds = sorted(eigenwalker.__all__, key=lambda name: (not name.isupper(), not name[0].isupper(), name))
+    assert eigenwalker.__all__ == kinds
+    assert not [name for name in eigenwalker.__all__ if not hasattr(eigenwalker, name)]
