@@ -1,6 +1,9 @@
 """What all tests share."""
 
 import os
+
+os.environ.setdefault("SCIPY_ARRAY_API", "1")  # before scipy: scikit-learn skips one of its checks without it
+
 from pathlib import Path
 
 import pytest

@@ -2,7 +2,7 @@
 
 The key values are read off published curves and rounded; they are facts about the average adult, not tables:
 
-- hip (thigh against the vertical), knee and ankle: Perry & Burnfield (2010), Gait Analysis, 2nd ed.; the same courses
+- hip (thigh against the vertical), knee, and foot (against the floor): Perry & Burnfield (2010), Gait Analysis, 2nd ed.; the same courses
   are in Winter (1991), The Biomechanics and Motor Control of Human Gait, and Kadaba, Ramakrishnan & Wootten (1990),
   J. Orthop. Res. 8, 383-392.
 - pelvis: Kadaba et al. (1990) and Perry & Burnfield (2010). Obliquity is small here, because it is a mean over two
@@ -21,7 +21,7 @@ __all__ = ["AXIAL_CURVES", "HEEL_LIFT", "LIMB_CURVES", "NORMATIVE", "N_HARMONICS
 
 N_HARMONICS = 6
 
-# (percent of the stride, degrees). Flexion, dorsiflexion, abduction and inward rotation are positive. The swing curves
+# (percent of the stride, degrees). Flexion, abduction, inward rotation and toes up are positive. The swing curves
 # of the arms' rotation and abduction are small and not well documented; their means carry the hands before the thighs.
 _LIMB_KEYS = {
     "hip_flexion": (
@@ -30,8 +30,9 @@ _LIMB_KEYS = {
     "knee_flexion": (
         (0, 5), (7, 11.5), (15, 17), (28, 10.5), (40, 5), (50, 10), (62, 39), (72, 61), (80, 50), (88, 22), (96, 4),
     ),
-    "ankle_dorsiflexion": (
-        (0, 0), (7, -5.5), (18, 3), (31, 9), (44, 10.5), (52, 4), (62, -16), (70, -10), (80, 0), (90, 2),
+    "foot_pitch": (
+        (0, 17), (5, 7), (10, 0), (18, 0), (27, 0), (35, -2), (43, -8), (50, -19), (57, -43), (64, -63), (70, -62),
+        (76, -46), (82, -22), (88, 2), (94, 16),
     ),
     "hip_abduction": ((5, -2.8), (30, -4.1), (55, -2.8), (80, -1.5)),
     "hip_rotation": ((5, 1), (30, 2), (55, -2), (80, -3)),

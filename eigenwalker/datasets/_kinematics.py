@@ -14,6 +14,7 @@ __all__ = ["Posture", "posture", "stance_height", "stance_velocity", "support"]
 
 _LOADING = 0.13  # strides over which the body's weight goes from one foot to the other
 _EARLY = 0.03  # strides before its phase zero at which a foot, already near the ground, begins to carry
+_SINK = 0.01  # metres by which the other foot may be below the floor before it lifts the body
 _SOFTNESS = 0.004  # metres by which heel or ball must be lower to be the one on the ground
 
 
@@ -61,11 +62,12 @@ def posture(
     for side, sign, limb in (("left", 1.0, left), ("right", -1.0, right)):
         flexion = dict(zip(LIMB_CURVES, limb.T, strict=True))
         hip, shoulder = (_swung(flexion, joint, sign) for joint in ("hip", "shoulder"))
-        # The angles of the hip are those of the thigh in the room, so the pelvis is taken out.
+        # Thigh and foot have their angles in the room, so what is above them is taken out.
+        bend = flexion["hip_flexion"] - flexion["knee_flexion"] - flexion["foot_pitch"]
         rotations[:, JOINTS.index(f"{side}_hip")] = rotvec(product(upright, hip))
         rotations[:, JOINTS.index(f"{side}_shoulder")] = rotvec(shoulder)
         rotations[:, JOINTS.index(f"{side}_knee"), 1] = flexion["knee_flexion"]
-        rotations[:, JOINTS.index(f"{side}_ankle"), 1] = -flexion["ankle_dorsiflexion"]
+        rotations[:, JOINTS.index(f"{side}_ankle"), 1] = bend
         rotations[:, JOINTS.index(f"{side}_elbow"), 1] = -flexion["elbow_flexion"]
     offsets = np.broadcast_to(skeleton.offsets, rotations.shape)
     joints, frames = forward_kinematics(rotations, offsets, skeleton.parents)
@@ -115,7 +117,7 @@ def stance_height(soles: NDArray[np.float64], weight: NDArray[np.float64]) -> ND
     """Return how high the pelvis is when the standing foot touches the floor, shape (n_frames,), in metres.
 
     Heel and ball are joined by a soft minimum, the two feet by their share of the weight, so that the hand-over from
-    one to the other is smooth and the swing foot never counts.
+    one to the other is smooth. The other foot counts only where it would sink into the floor.
 
     Parameters
     ----------
@@ -124,10 +126,15 @@ def stance_height(soles: NDArray[np.float64], weight: NDArray[np.float64]) -> ND
     weight : ndarray of shape (n_frames, 2)
         From `support`.
     """
-    lowest = soles[..., 2].min(axis=2)
-    above = np.exp(-(soles[..., 2] - lowest[..., np.newaxis]) / _SOFTNESS)
-    softened = lowest - _SOFTNESS * np.log(above.mean(axis=2))
-    return -(weight * softened).sum(axis=1)
+    lowest = -_soft_maximum(-soles[..., 2])  # of each foot, (n_frames, 2)
+    standing = -(weight * lowest).sum(axis=1)
+    return _soft_maximum(np.column_stack((standing, -lowest - _SINK)))
+
+
+def _soft_maximum(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the maximum along the last axis, rounded off where two values are about equal."""
+    top = values.max(axis=-1)
+    return top + _SOFTNESS * np.log(np.exp((values - top[..., np.newaxis]) / _SOFTNESS).sum(axis=-1))
 
 
 def stance_velocity(soles: NDArray[np.float64], weight: NDArray[np.float64]) -> NDArray[np.float64]:

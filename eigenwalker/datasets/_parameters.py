@@ -53,11 +53,11 @@ _SHIFT_SD = {
 # Curves: mean (degrees), gain, delay (strides), first, second and third harmonic (degrees); left minus right: mean,
 # gain, first and second harmonic.
 _CURVE_SD: dict[str, tuple[float, ...]] = {
-    "hip_flexion": (1.2, 0.030, 0.005, 1.1, 1.3, 0.9, 2.2, 0.05, 2.3, 1.9),
+    "hip_flexion": (1.2, 0.030, 0.005, 1.1, 1.3, 0.9, 2.0, 0.05, 2.1, 1.8),
     "hip_abduction": (0.6, 0.12, 0.015, 0.50, 0.40, 0.25, 1.1, 0.08, 0.9, 0.8),
     "hip_rotation": (3.0, 0.30, 0.03, 2.6, 2.5, 1.0, 4.5, 0.20, 4.0, 4.0),
-    "knee_flexion": (2.2, 0.045, 0.008, 2.4, 2.5, 1.5, 3.5, 0.05, 4.0, 3.7),
-    "ankle_dorsiflexion": (2.0, 0.100, 0.010, 1.8, 1.8, 1.3, 2.5, 0.08, 2.5, 2.5),
+    "knee_flexion": (2.0, 0.045, 0.008, 2.1, 2.2, 1.5, 3.2, 0.05, 3.4, 3.2),
+    "foot_pitch": (0.8, 0.080, 0.010, 0.9, 0.9, 0.7, 0.8, 0.06, 0.8, 0.8),
     "shoulder_flexion": (2.3, 0.11, 0.016, 2.1, 1.9, 0.8, 4.2, 0.15, 4.2, 3.3),
     "shoulder_abduction": (1.8, 0.18, 0.020, 1.8, 1.5, 0.6, 3.5, 0.15, 3.3, 2.6),
     "shoulder_rotation": (5.0, 0.25, 0.020, 3.7, 2.8, 0.8, 9.0, 0.20, 5.5, 4.0),

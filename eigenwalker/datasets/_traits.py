@@ -47,7 +47,7 @@ _EFFECTS: dict[str, dict[str, float]] = {
         "trunk_tilt_mean": 0.8,
         "neck_flexion_mean": 1.5,
         "hip_flexion_gain": -0.02,
-        "ankle_dorsiflexion_gain": -0.03,
+        "foot_pitch_gain": -0.03,
         "shoulder_flexion_gain": -0.04,
     },
     "height": {"stature": 0.092, "frequency": -0.022},
@@ -59,7 +59,7 @@ _EFFECTS: dict[str, dict[str, float]] = {
         "frequency": -0.022,
         "bounce": -0.8,
         "hip_flexion_gain": -0.012,
-        "ankle_dorsiflexion_gain": -0.04,
+        "foot_pitch_gain": -0.04,
         "trunk_tilt_mean": -0.8,
     },
     "happy": {
@@ -73,7 +73,7 @@ _EFFECTS: dict[str, dict[str, float]] = {
         "head_forward": -0.005,
         "hip_flexion_gain": 0.020,
         "knee_flexion_gain": 0.02,
-        "ankle_dorsiflexion_gain": 0.06,
+        "foot_pitch_gain": 0.06,
         "frequency": 0.018,
     },
     "nervous": {

@@ -91,7 +91,7 @@ def _steadied(walker: Walker) -> Walker:
 
 def _curve(named: dict[str, float], curve: str, *, side: float) -> NDArray[np.float64]:
     coefficients = NORMATIVE[curve].copy()
-    if curve == "ankle_dorsiflexion":
+    if curve == "foot_pitch":
         coefficients -= named["bounce"] * HEEL_LIFT
     coefficients[1:] *= 1 + named[f"{curve}_gain"] + side * named.get(f"{curve}_side_gain", 0.0)
     coefficients[0] += named[f"{curve}_mean"] + side * named.get(f"{curve}_side_mean", 0.0)
@@ -117,7 +117,7 @@ def _posture(
     leg_amplitude: NDArray[np.float64] | float,
     arm_amplitude: NDArray[np.float64] | float,
 ) -> Posture:
-    n_leg_curves = sum(name.startswith(("hip", "knee", "ankle")) for name in LIMB_CURVES)
+    n_leg_curves = sum(name.startswith(("hip", "knee", "foot")) for name in LIMB_CURVES)
     limbs = [
         np.hstack((
             curve_values(coefficients[:n_leg_curves], legs + offset, leg_amplitude),

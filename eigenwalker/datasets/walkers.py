@@ -121,13 +121,13 @@ def make_walkers(
     random = check_random_state(random_state)
     seeds = random.randint(2**31 - 1, size=n_walkers)
     genders = random.permutation(np.where(np.arange(n_walkers) % 2 == random.randint(2), 1.0, -1.0))
-    streams = [[np.random.default_rng(child) for child in np.random.SeedSequence(seed).spawn(4)] for seed in seeds]
+    streams = [[np.random.default_rng(child) for child in np.random.SeedSequence(seed).spawn(5)] for seed in seeds]
     traits = np.array([draw_traits(gender, rng[0]) for gender, rng in zip(genders, streams, strict=True)])
-    parameters = _parameters(traits, [rng[0] for rng in streams])
+    parameters = _parameters(traits, [rng[1] for rng in streams])
     names = [f"walker_{number:03d}" for number in range(n_walkers)]
     times = np.arange(max(round(duration * frame_rate), 1)) / frame_rate
     walks = [
-        _record(row, name, times, frame_rate, noise, treadmill, rng[1:])
+        _record(row, name, times, frame_rate, noise, treadmill, rng[2:])
         for row, name, rng in zip(parameters, names, streams, strict=True)
     ]
     return Bunch(

@@ -237,6 +237,8 @@ def _one_trait(y: object, poles: Poles | None) -> pd.Series:
             f"Input y, trait {labels.name!r}, contains NaN: {int(labels.isna().sum())} of {len(labels)} labels are "
             "missing; leave these walkers out, or use TraitRegressor"
         )
+    if pd.api.types.is_float_dtype(labels) and np.isinf(labels).any():
+        raise ValueError(f"Input y, trait {labels.name!r}, contains infinity, which is no group")
     check_classification_targets(labels.to_numpy())
     return labels
 

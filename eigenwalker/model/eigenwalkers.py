@@ -164,13 +164,14 @@ def _walks(
         start = np.zeros(len(specified))
     else:
         base = before.transform([base])[0] if before else base
-        vector = np.asarray(linearizer.transform([base]))
-        score = np.asarray(reduction.transform(vector))
-        rest = vector - np.asarray(reduction.inverse_transform(score))  # what the Eigenwalkers leave out of the base
+        vector = linearizer.transform([base])
+        score = reduction.transform(vector)
         start = np.asarray(trait.transform(score))[0, [trait.trait_names_.index(name) for name in specified]]
+        score = np.asarray(score)
+        rest = np.asarray(vector) - reduction.inverse_transform(score)  # what the Eigenwalkers leave out of the base
         kept = {name: getattr(base, name) for name in ("speed", "size") if name not in linearizer.extras}
     wanted = np.hstack((alphas, np.tile(start[len(names) :], (len(alphas), 1))))
-    vectors = rest + np.asarray(reduction.inverse_transform(score + trait.step(wanted - start, specified)))
+    vectors = rest + reduction.inverse_transform(score + trait.step(wanted - start, specified))
     walks = linearizer.inverse_transform(vectors)
     return [replace(walk, name=_label(names, row), **kept) for walk, row in zip(walks, alphas, strict=True)]
 

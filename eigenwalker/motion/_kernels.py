@@ -4,28 +4,30 @@ There the sums of sines times cosines vanish, so that all products of the basis 
 
     1, sin(omega t), cos(omega t), sin(2 omega t), cos(2 omega t), ...
 
-follow from a few sums over time, and the data are read once.
+follow from closed sums over time, and the data are read once, by one matrix product.
 """
 
 import numpy as np
 from numba import njit
 
-__all__ = ["correlate", "line_and_wave_shares", "refine", "solve"]
+__all__ = ["fit_series", "refine"]
 
-_CHUNK = 128  # frames held at a time: few enough for the cache and for one thread of the matrix product
+# Multiplications in a matrix product, up to which OpenBLAS keeps to one thread: waking a second one takes longer.
+_ONE_THREAD = 262_144
 
 
 @njit(cache=True, nogil=True)
-def _fill_basis(basis, first, n_frames, omega, n_harmonics, timed):
-    """Write the basis functions (and, if timed, time times them) of the frames from `first` into rows of `basis`.
+def _fill_basis(basis, time, omega, n_harmonics):
+    """Write the basis functions of the frames from `time` on into the rows of `basis`.
 
-    Sine and cosine go on by recurrence from exact values in the first row.
+    If it has more than 2 K + 1 columns, time times the waves follows. Sine and cosine go on by recurrence from exact
+    values in the first row.
     """
-    n_columns = 2 * n_harmonics + 1
-    time = first - 0.5 * (n_frames - 1)
+    n_rows, n_columns = basis.shape
+    n_waves = 2 * n_harmonics
     step_cosine, step_sine = np.cos(omega), np.sin(omega)
     cosine, sine = np.cos(omega * time), np.sin(omega * time)
-    for row in range(len(basis)):
+    for row in range(n_rows):
         basis[row, 0] = 1.0
         high_cosine, high_sine = cosine, sine
         for k in range(n_harmonics):
@@ -35,67 +37,48 @@ def _fill_basis(basis, first, n_frames, omega, n_harmonics, timed):
                 high_cosine * cosine - high_sine * sine,
                 high_sine * cosine + high_cosine * sine,
             )
+        for column in range(n_waves + 1, n_columns):
+            basis[row, column] = (time + row) * basis[row, column - n_waves]
         cosine, sine = cosine * step_cosine - sine * step_sine, sine * step_cosine + cosine * step_sine
-        if timed:
-            for column in range(n_columns):
-                basis[row, n_columns + column] = (time + row) * basis[row, column]
 
 
 @njit(cache=True, nogil=True)
-def _accumulate(channels, omega, n_harmonics, timed):
+def _correlate(channels, omega, n_harmonics, n_columns):
+    """Return the sums over time of each basis function times each channel, shape (n_columns, n_channels).
+
+    With 4 K + 1 columns instead of 2 K + 1, also those of time times the waves.
+    """
     n_frames, n_channels = channels.shape
-    n_columns = (2 * n_harmonics + 1) * (2 if timed else 1)
+    n_rows = max(16, _ONE_THREAD // (n_columns * n_channels))
     sums = np.zeros((n_columns, n_channels))
-    basis = np.empty((_CHUNK, n_columns))
-    chunk = np.empty((_CHUNK, n_channels))
-    for first in range(0, n_frames, _CHUNK):
-        count = min(_CHUNK, n_frames - first)
-        _fill_basis(basis[:count], first, n_frames, omega, n_harmonics, timed)
-        for row in range(count):
+    for first in range(0, n_frames, n_rows):
+        last = min(first + n_rows, n_frames)
+        basis = np.empty((last - first, n_columns))
+        _fill_basis(basis, first - 0.5 * (n_frames - 1), omega, n_harmonics)
+        part = np.dot(basis.T, channels[first:last])  # (n_columns, n_rows) @ (n_rows, n_channels)
+        for column in range(n_columns):
             for channel in range(n_channels):
-                chunk[row, channel] = channels[first + row, channel]
-        sums += np.dot(basis[:count].T, chunk[:count])  # (n_columns, count) @ (count, n_channels)
+                sums[column, channel] += part[column, channel]
     return sums
 
 
 @njit(cache=True, nogil=True)
-def correlate(channels, omega, n_harmonics):
-    """Return the sums over time of each basis function times each channel, shape (2 K + 1, n_channels).
-
-    Parameters
-    ----------
-    channels : ndarray of shape (n_frames, n_channels)
-        float32 or float64; sums are float64.
-    omega : float
-        Fundamental frequency in radians per frame.
-    n_harmonics : int
-        Number K of harmonics.
-    """
-    return _accumulate(channels, omega, n_harmonics, False)
-
-
-@njit(cache=True, nogil=True)
 def _time_sums(n_frames, omega, highest):
-    """Return sum cos(m omega t), sum t sin(m omega t) and sum t^2 cos(m omega t) for m = 0 .. highest."""
+    """Return sum cos(m omega t), sum t sin(m omega t) and sum t^2 cos(m omega t) for m = 0 .. highest.
+
+    With x = m omega and N frames the first is D(x) = sin(N x / 2) / sin(x / 2); the others are -D' and -D''.
+    """
     sums = np.zeros((3, highest + 1))
-    center = 0.5 * (n_frames - 1)
-    wave_cosine, wave_sine = 1.0, 0.0
-    step_cosine, step_sine = np.cos(omega), np.sin(omega)
-    for frame in range(n_frames):
-        time = frame - center
-        if frame % _CHUNK == 0:
-            wave_cosine = np.cos(omega * time)
-            wave_sine = np.sin(omega * time)
-        cosine, sine = 1.0, 0.0
-        for m in range(highest + 1):
-            sums[0, m] += cosine
-            sums[1, m] += time * sine
-            sums[2, m] += time * time * cosine
-            cosine, sine = cosine * wave_cosine - sine * wave_sine, sine * wave_cosine + cosine * wave_sine
-        wave_cosine, wave_sine = (
-            wave_cosine * step_cosine - wave_sine * step_sine,
-            wave_sine * step_cosine + wave_cosine * step_sine,
-        )
+    sums[0, 0] = n_frames
+    sums[2, 0] = n_frames * (n_frames * n_frames - 1.0) / 12.0
+    for m in range(1, highest + 1):
+        half = 0.5 * m * omega
+        tangent = np.tan(half)
+        level = np.sin(n_frames * half) / np.sin(half)
+        slope = 0.5 * (n_frames * np.cos(n_frames * half) / np.sin(half) - level / tangent)
+        sums[0, m] = level
+        sums[1, m] = -slope
+        sums[2, m] = 0.25 * (n_frames * n_frames - 1.0) * level + slope / tangent
     return sums
 
 
@@ -136,55 +119,60 @@ def _solve_positive(matrix, right):
     for j in range(n_rows):
         for i in range(j + 1, n_rows):
             factor = lower[i, j] / lower[j, j]
-            for k in range(j + 1, n_rows):
-                lower[i, k] -= factor * lower[j, k]
-            for channel in range(right.shape[1]):
-                result[i, channel] -= factor * result[j, channel]
+            if factor != 0.0:  # half of the products of sines and cosines are zero
+                for k in range(j + 1, n_rows):
+                    lower[i, k] -= factor * lower[j, k]
+                for channel in range(right.shape[1]):
+                    result[i, channel] -= factor * result[j, channel]
     for j in range(n_rows - 1, -1, -1):
         for k in range(j + 1, n_rows):
-            for channel in range(right.shape[1]):
-                result[j, channel] -= lower[j, k] * result[k, channel]
+            if lower[j, k] != 0.0:
+                for channel in range(right.shape[1]):
+                    result[j, channel] -= lower[j, k] * result[k, channel]
         for channel in range(right.shape[1]):
             result[j, channel] /= lower[j, j]
     return result
 
 
 @njit(cache=True, nogil=True)
-def solve(products, n_frames, omega, n_harmonics):
-    """Return least-squares coefficients, shape (2 K + 1, n_channels), from the sums of `correlate`."""
-    sums = np.empty(2 * n_harmonics + 1)
-    sums[0] = n_frames
-    for m in range(1, 2 * n_harmonics + 1):
-        sums[m] = np.sin(0.5 * m * omega * n_frames) / np.sin(0.5 * m * omega)  # sum of cos(m omega t)
-    return _solve_positive(_even_products(sums, n_harmonics), products)
+def fit_series(channels, omega, n_harmonics):
+    """Return least-squares coefficients, shape (2 K + 1, n_channels), with time zero in the first frame.
 
-
-@njit(cache=True, nogil=True)
-def _project(channels, omega, n_harmonics):
-    """Return explained sum of squares, its half derivative by omega, and Gauss-Newton's curvature.
-
-    With basis F, coefficients b = (F'F)^-1 F'Y, residual r = Y - F b and derivative (t F) g of F b by omega
-    (g_sin_k = -k c_k, g_cos_k = k s_k): the slope is <(t F) g, r>, the curvature ||(I - P) (t F) g||^2.
+    Parameters
+    ----------
+    channels : ndarray of shape (n_frames, n_channels)
+        float64, contiguous.
+    omega : float
+        Fundamental frequency in radians per frame.
+    n_harmonics : int
+        Number K of harmonics.
     """
-    n_rows = 2 * n_harmonics + 1
-    products = _accumulate(channels, omega, n_harmonics, True)
-    plain, timed = products[:n_rows], products[n_rows:]
-    sums = _time_sums(len(channels), omega, 2 * n_harmonics)
-    gram0 = _even_products(sums[0], n_harmonics)
-    coefficients = _solve_positive(gram0, plain)
-    change = np.zeros_like(coefficients)
+    n_frames, n_channels = channels.shape
+    gram = _even_products(_time_sums(n_frames, omega, 2 * n_harmonics)[0], n_harmonics)
+    coefficients = _solve_positive(gram, _correlate(channels, omega, n_harmonics, len(gram)))
     for k in range(1, n_harmonics + 1):
-        for channel in range(coefficients.shape[1]):
-            change[2 * k - 1, channel] = -k * coefficients[2 * k, channel]
-            change[2 * k, channel] = k * coefficients[2 * k - 1, channel]
-    overlap = np.dot(_odd_products(sums[1], n_harmonics), change)
-    spread = np.dot(_even_products(sums[2], n_harmonics), change)
-    slope = _inner(change, timed) - _inner(overlap, coefficients)
-    curvature = _inner(change, spread) - _inner(overlap, _solve_positive(gram0, overlap))
-    return _inner(plain, coefficients), slope, curvature
+        angle = 0.5 * k * omega * (n_frames - 1)
+        cosine, sine = np.cos(angle), np.sin(angle)
+        for channel in range(n_channels):
+            along_sine, along_cosine = coefficients[2 * k - 1, channel], coefficients[2 * k, channel]
+            coefficients[2 * k - 1, channel] = along_sine * cosine + along_cosine * sine
+            coefficients[2 * k, channel] = along_cosine * cosine - along_sine * sine
+    return coefficients
 
 
 @njit(cache=True, nogil=True)
+def _multiply(small, matrix):
+    """Return the matrix product of a small square matrix, half of which is zero, and another."""
+    product = np.zeros_like(matrix)
+    for row in range(len(small)):
+        for k in range(len(small)):
+            if small[row, k] != 0.0:
+                for channel in range(matrix.shape[1]):
+                    product[row, channel] += small[row, k] * matrix[k, channel]
+    return product
+
+
+@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
 def _inner(first, second):
     """Return the sum of products of two matrices."""
     total = 0.0
@@ -195,81 +183,79 @@ def _inner(first, second):
 
 
 @njit(cache=True, nogil=True)
-def refine(channels, omega, n_harmonics, max_iter):
-    """Return the frequency, in radians per frame, at which a harmonic series explains most, next to `omega`.
+def _project(channels, omega, n_harmonics):
+    """Return explained sum of squares, its half derivative by omega, and Gauss-Newton's curvature.
 
-    Gauss-Newton steps, turned into secant steps once two slopes are known, halved while they lose power. Ends when
-    a step is below 1e-5 of the frequency's standard error, or at rounding for data without noise.
+    With basis F, coefficients b = (F'F)^-1 F'Y, residual r = Y - F b and derivative (t F) g of F b by omega
+    (g_sin_k = -k c_k, g_cos_k = k s_k): the slope is <(t F) g, r>, the curvature ||(I - P) (t F) g||^2.
     """
-    n_frames, n_channels = channels.shape
-    total = _inner(channels, channels)
-    longest = 0.5 / n_frames  # radians a frame: a twelfth of a cycle over the whole walk
-    best = omega
-    power, slope, curvature = _project(channels, best, n_harmonics)
-    for _ in range(max_iter):
-        if curvature <= 0.0:
-            break
-        step = min(max(slope / curvature, -longest), longest)
-        noise = max(total - power, 0.0) / (n_frames * n_channels)
-        smallest = max(1e-5 * np.sqrt(noise / curvature), 4e-16 * best)
-        trial_power, trial_slope, trial_curvature = _project(channels, best + step, n_harmonics)
-        while trial_power < power * (1.0 - 1e-14) and abs(step) > smallest:
-            step *= 0.5
-            trial_power, trial_slope, trial_curvature = _project(channels, best + step, n_harmonics)
-        if abs(step) <= smallest:
-            break
-        best += step
-        # The change of slope over the step is the true curvature, which Gauss-Newton only approaches.
-        secant = (slope - trial_slope) / step
-        usable = 0.3 * trial_curvature < secant < 3.0 * trial_curvature
-        power, slope, curvature = trial_power, trial_slope, secant if usable else trial_curvature
-    return best
+    n_rows = 2 * n_harmonics + 1
+    products = _correlate(channels, omega, n_harmonics, 2 * n_rows - 1)
+    plain, timed = products[:n_rows], products[n_rows:]
+    sums = _time_sums(len(channels), omega, 2 * n_harmonics)
+    gram = _even_products(sums[0], n_harmonics)
+    coefficients = _solve_positive(gram, plain)
+    change = np.zeros_like(coefficients)
+    for k in range(1, n_harmonics + 1):
+        for channel in range(coefficients.shape[1]):
+            change[2 * k - 1, channel] = -k * coefficients[2 * k, channel]
+            change[2 * k, channel] = k * coefficients[2 * k - 1, channel]
+    overlap = _multiply(_odd_products(sums[1], n_harmonics), change)
+    spread = _multiply(_even_products(sums[2], n_harmonics), change)
+    slope = _inner(change[1:], timed) - _inner(overlap, coefficients)
+    curvature = _inner(change, spread) - _inner(overlap, _solve_positive(gram, overlap))
+    return _inner(plain, coefficients), slope, curvature
 
 
 @njit(cache=True, nogil=True)
-def line_and_wave_shares(signal, omegas):
-    """Return which share of a signal's power about its straight line each sine and cosine pair explains.
+def refine(channels, total, omega, n_harmonics, ratio, precision, max_iter):
+    """Return the frequency next to `omega` that explains most, and the ratio of true to Gauss-Newton's curvature.
+
+    Gauss-Newton steps, divided by that ratio once two slopes have shown it, halved while they lose power. Ends with
+    the step whose error, judged by how well the ratio is known, is below `precision` standard errors of the
+    frequency, or below rounding.
 
     Parameters
     ----------
-    signal : ndarray of shape (n_frames,)
-        One channel.
-    omegas : ndarray of shape (n_omegas,)
-        In radians per frame.
-
-    Returns
-    -------
-    ndarray of shape (n_omegas,)
-        Between 0 and 1.
+    channels : ndarray of shape (n_frames, n_channels)
+        float64, contiguous.
+    total : float
+        Sum of squares of all channels.
+    omega : float
+        Start, in radians per frame.
+    n_harmonics : int
+        Number K of harmonics.
+    ratio : float
+        From the same walk at another frame rate; 1 if unknown.
+    precision : float
+        In standard errors, which come from the power that the harmonics leave.
+    max_iter : int
+        Largest number of projections.
     """
-    n_frames = len(signal)
-    center = 0.5 * (n_frames - 1)
-    squares = n_frames * (n_frames * n_frames - 1.0) / 12.0  # sum of t^2
-    level = rise = 0.0
-    for frame in range(n_frames):
-        level += signal[frame] / n_frames
-        rise += (frame - center) * signal[frame] / squares
-    total = 0.0
-    for frame in range(n_frames):
-        total += (signal[frame] - level - rise * (frame - center)) ** 2
-    shares = np.zeros(len(omegas))
-    if total <= 0.0:
-        return shares
-    for position in range(len(omegas)):
-        omega = omegas[position]
-        step_cosine, step_sine = np.cos(omega), np.sin(omega)
-        cosine, sine = np.cos(-omega * center), np.sin(-omega * center)
-        along_cosine = along_sine = timed_sine = 0.0
-        for frame in range(n_frames):
-            flat = signal[frame] - level - rise * (frame - center)
-            along_cosine += flat * cosine
-            along_sine += flat * sine
-            timed_sine += (frame - center) * sine
-            cosine, sine = cosine * step_cosine - sine * step_sine, sine * step_cosine + cosine * step_sine
-        # What remains of cosine and sine after the constant and the line are taken out of them.
-        once = np.sin(0.5 * omega * n_frames) / np.sin(0.5 * omega)  # sum of cos(omega t)
-        twice = np.sin(omega * n_frames) / np.sin(omega)
-        free_cosine = 0.5 * (n_frames + twice) - once**2 / n_frames
-        free_sine = 0.5 * (n_frames - twice) - timed_sine**2 / squares
-        shares[position] = (along_cosine**2 / free_cosine + along_sine**2 / free_sine) / total
-    return shares
+    n_frames, n_channels = channels.shape
+    longest = 0.5 / n_frames  # radians a frame: a twelfth of a cycle over the whole walk
+    doubt = abs(ratio - 1.0) if ratio != 1.0 else 1.0
+    best, step, smallest = omega, 0.0, 0.0
+    power = slope = 0.0
+    for _ in range(max_iter):
+        trial_power, trial_slope, curvature = _project(channels, best + step, n_harmonics)
+        if trial_power < power * (1.0 - 1e-14) and abs(step) > smallest:
+            step *= 0.5
+            continue
+        if 0.0 < abs(step) <= smallest:
+            break
+        if step != 0.0:
+            seen = (slope - trial_slope) / (step * curvature)
+            seen = seen if 0.3 < seen < 3.0 else 1.0
+            doubt, ratio = abs(seen - ratio), seen
+        best += step
+        power, slope = trial_power, trial_slope
+        if curvature <= 0.0:
+            break
+        step = min(max(slope / (ratio * curvature), -longest), longest)
+        noise = max(total - power, 0.0) / (n_frames * n_channels)
+        smallest = max(precision * np.sqrt(noise / curvature), 4e-16 * best)
+        if abs(step) * (doubt + abs(step) / longest) <= smallest:
+            best += step
+            break
+    return best, ratio

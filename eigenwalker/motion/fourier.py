@@ -8,9 +8,10 @@ All functions work on plain arrays, time first. Frequencies are in hertz, times 
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.fft import next_fast_len, rfft
 
 from eigenwalker._validation import WalkError, check_frame_rate
-from eigenwalker.motion._kernels import correlate, line_and_wave_shares, refine, solve
+from eigenwalker.motion._kernels import fit_series, refine
 
 __all__ = [
     "amplitude_phase",
@@ -27,6 +28,7 @@ SEARCH_HARMONICS = 4
 FREQUENCY_RANGE = (0.3, 2.5)
 _MAX_STEPS = 50
 _COARSE_RATE = 25.0  # frames per second that suffice for the first guess
+_FRAMES_PER_WAVE = 6  # of the highest harmonic that suffice for all but the last steps of the search
 _WEAK = 0.2  # share of the reference below which its best sine is no period
 
 
@@ -65,13 +67,14 @@ def fit_harmonics(
     array([1., 2., 0.])
     """
     _check_sampling(len(channels), frame_rate, frequency, n_harmonics)
-    coefficients = _fit_centered(channels, 2 * np.pi * frequency / frame_rate, n_harmonics)
-    return shift_phase(coefficients, -np.pi * frequency * (len(channels) - 1) / frame_rate)
+    return fit_series(_as_compiled(channels), 2 * np.pi * frequency / frame_rate, n_harmonics)
 
 
-def _fit_centered(channels: NDArray[np.floating], omega: float, n_harmonics: int) -> NDArray[np.float64]:
-    """Fit with time zero in the middle of the walk, where sines and cosines decouple."""
-    return solve(correlate(channels, omega, n_harmonics), len(channels), omega, n_harmonics)
+def _as_compiled(channels: NDArray[np.floating]) -> NDArray[np.float64]:
+    """Return channels as the one kind of array that the compiled loops take: every other kind is compiled anew."""
+    view = np.ascontiguousarray(channels, dtype=np.float64).view()
+    view.flags.writeable = False
+    return view
 
 
 def _check_sampling(n_frames: int, frame_rate: float, frequency: float, n_harmonics: int) -> None:
@@ -217,8 +220,8 @@ def estimate_frequency(
     """Return the fundamental frequency that explains most power in all channels, by variable projection.
 
     For each trial frequency the coefficients are the least-squares ones, so that only the frequency is searched:
-    Gauss-Newton on the residual with Kaufman's gradient, from `start`, until the step vanishes in rounding.
-    With white noise the error is at the Cramer-Rao bound.
+    Gauss-Newton on the residual with Kaufman's gradient, from `start`, until what is left is a ten-thousandth of the
+    frequency's standard error, or rounding. With white noise the error is at the Cramer-Rao bound.
 
     Parameters
     ----------
@@ -248,8 +251,21 @@ def estimate_frequency(
     """
     carried = min(n_harmonics, int(0.45 * frame_rate / start), (len(channels) - 2) // 3)
     _check_sampling(len(channels), frame_rate, start, max(carried, 1))
-    omega = refine(channels, 2 * np.pi * start / frame_rate, carried, _MAX_STEPS)
+    omega, ratio = 2 * np.pi * start / frame_rate, 1.0
+    block = int(frame_rate / (_FRAMES_PER_WAVE * carried * start))
+    if block > 1:  # the first steps on fewer frames
+        omega, ratio = _refine(_block_means(channels, block), omega * block, carried, ratio, precision=0.01)
+        omega /= block
+    omega, _ = _refine(channels, omega, carried, ratio, precision=1e-4)
     return float(omega * frame_rate / (2 * np.pi))
+
+
+def _refine(
+    channels: NDArray[np.floating], omega: float, n_harmonics: int, ratio: float, *, precision: float
+) -> tuple[float, float]:
+    channels = _as_compiled(channels)
+    power = float(np.einsum("tc,tc->", channels, channels))
+    return refine(channels, power, omega, n_harmonics, ratio, precision, _MAX_STEPS)
 
 
 def coarse_frequency(
@@ -287,7 +303,8 @@ def coarse_frequency(
         If the signal is shorter than one stride or has no period in the range.
     """
     check_frame_rate(frame_rate)
-    signal, rate = _decimate(np.asarray(reference, dtype=np.float64), frame_rate)
+    block = max(1, int(frame_rate / _COARSE_RATE))
+    signal, rate = _block_means(np.asarray(reference, dtype=np.float64), block), frame_rate / block
     duration = len(signal) / rate
     low, high = max(frequency_range[0], 0.6 / duration), min(frequency_range[1], 0.4 * rate)
     if low >= high:
@@ -295,8 +312,7 @@ def coarse_frequency(
             f"walk {name!r}: expected at least one stride, got {len(reference)} frames, {duration:.3g} s; "
             f"no frequency between {frequency_range[0]:g} and {frequency_range[1]:g} Hz fits into that"
         )
-    frequencies = np.linspace(low, high, max(8, int(np.ceil((high - low) * duration * 10))))
-    shares = line_and_wave_shares(signal, 2 * np.pi * frequencies / rate)
+    frequencies, shares = _wave_shares(signal, rate, low, high)
     best = int(np.argmax(shares))
     if shares[best] < _WEAK or best in (0, len(shares) - 1):
         raise WalkError(
@@ -307,11 +323,37 @@ def coarse_frequency(
     return _top_of_parabola(frequencies, shares, best)
 
 
-def _decimate(signal: NDArray[np.float64], frame_rate: float) -> tuple[NDArray[np.float64], float]:
-    """Return means of blocks of frames and their rate: enough for a first guess, and quicker."""
-    block = max(1, int(frame_rate / _COARSE_RATE))
-    n_blocks = len(signal) // block
-    return signal[: n_blocks * block].reshape(n_blocks, block).mean(axis=1), frame_rate / block
+def _block_means(values: NDArray[np.floating], block: int) -> NDArray[np.floating]:
+    """Return means over blocks of frames: a walk of the same frequencies at a lower frame rate."""
+    n_blocks = len(values) // block
+    blocks = values[: n_blocks * block].reshape(n_blocks, block, *values.shape[1:])
+    return np.einsum("bf...->b...", blocks) / block
+
+
+def _wave_shares(
+    signal: NDArray[np.float64], rate: float, low: float, high: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return frequencies between `low` and `high` and which share of a signal's power a sine and cosine explain there.
+
+    The power is that about a straight line, and the waves are fitted together with the line: from their products
+    with the signal, by a zero-padded Fourier transform, and what of their own power the line leaves.
+    """
+    n_frames = len(signal)
+    times = np.arange(n_frames) - 0.5 * (n_frames - 1)
+    squares = n_frames * (n_frames**2 - 1) / 12  # sum of t^2
+    flat = signal - signal.mean() - times * (times @ signal / squares)
+    n_bins = next_fast_len(int(max(10 * n_frames, 8 * rate / (high - low))), real=True)
+    first, last = int(np.ceil(low * n_bins / rate)), int(high * n_bins / rate)
+    omegas = 2 * np.pi / n_bins * np.arange(first, last + 1)
+    along = rfft(flat, n_bins)[first : last + 1] * np.exp(0.5j * (n_frames - 1) * omegas)
+    once = np.sin(0.5 * n_frames * omegas) / np.sin(0.5 * omegas)  # sum of cos(omega t)
+    timed = 0.5 * (once / np.tan(0.5 * omegas) - n_frames * np.cos(0.5 * n_frames * omegas) / np.sin(0.5 * omegas))
+    twice = np.sin(n_frames * omegas) / np.sin(omegas)  # sum of cos(2 omega t)
+    free_cosine = 0.5 * (n_frames + twice) - once**2 / n_frames
+    free_sine = 0.5 * (n_frames - twice) - timed**2 / squares  # timed: sum of t sin(omega t)
+    total = float(flat @ flat)
+    shares = along.real**2 / free_cosine + along.imag**2 / free_sine
+    return omegas * rate / (2 * np.pi), shares / total if total > 0 else np.zeros(len(omegas))
 
 
 def _top_of_parabola(grid: NDArray[np.float64], values: NDArray[np.float64], best: int) -> float:

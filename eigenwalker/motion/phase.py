@@ -89,8 +89,9 @@ def find_stride(
 ) -> float:
     """Return the stride frequency in hertz, from channels (n_frames, n_channels) and the weights of `phase_weights`."""
     used = np.flatnonzero(weights)
-    reference = channels[:, used] @ weights[used]
-    if np.ptp(reference) <= _DUST * np.abs(weights).sum() * np.abs(channels[:, used]).max(initial=0.0):
+    picked = channels[:, used]
+    reference = picked @ weights[used]
+    if np.ptp(reference) <= _DUST * np.abs(weights).sum() * np.abs(picked).max(initial=0.0):
         raise WalkError(
             f"walk {name!r}: the phase reference is too weak to carry a phase, it does not move at all; "
             "are left and right markers different, or is another phase_reference needed?"

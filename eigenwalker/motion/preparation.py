@@ -90,8 +90,8 @@ def prepare(
         walk = _turn(walk, _direction(walk, heading, travels))
     if travels and clip == "steady":
         walk = _steady_part(walk, frequency_range)
-        if heading == "path":
-            walk = _turn(walk, _path_direction(walk, frequency_range))
+    if travels and heading == "path":
+        walk = _turn(walk, _path_direction(walk, frequency_range))
     if travels and treadmill:
         walk = _onto_treadmill(walk, frequency_range)
     else:
