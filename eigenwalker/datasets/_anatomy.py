@@ -83,7 +83,7 @@ def body_skeleton(parameters: Mapping[str, float]) -> Skeleton:
     )
 
 
-def _trunk(parameters: Mapping[str, float]) -> dict[str, tuple[float, float, float]]:
+def _trunk(parameters: Mapping[str, float]) -> dict[str, tuple[float, ...]]:
     stature = parameters["stature"]
     # Long legs are at the cost of the trunk: the parts always add up to the stature.
     thorax = stature * (_THORAX - (_THIGH + _SHANK) * parameters["leg_length"] - _NECK * parameters["neck_length"])
@@ -96,7 +96,7 @@ def _trunk(parameters: Mapping[str, float]) -> dict[str, tuple[float, float, flo
     }
 
 
-def _limbs(parameters: Mapping[str, float], side: str, sign: float) -> dict[str, tuple[float, float, float]]:
+def _limbs(parameters: Mapping[str, float], side: str, sign: float) -> dict[str, tuple[float, ...]]:
     stature = parameters["stature"]
     leg, arm = stature * (1 + parameters["leg_length"]), stature * (1 + parameters["arm_length"])
     shank, forearm = parameters["shank_share"], parameters["forearm_share"]

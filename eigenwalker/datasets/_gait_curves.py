@@ -2,9 +2,9 @@
 
 The key values are read off published curves and rounded; they are facts about the average adult, not tables:
 
-- hip (thigh against the vertical), knee, and foot (against the floor): Perry & Burnfield (2010), Gait Analysis, 2nd ed.; the same courses
-  are in Winter (1991), The Biomechanics and Motor Control of Human Gait, and Kadaba, Ramakrishnan & Wootten (1990),
-  J. Orthop. Res. 8, 383-392.
+- hip (thigh against the vertical), knee, and foot (against the floor): Perry & Burnfield (2010), Gait Analysis, 2nd ed.;
+  the same courses are in Winter (1991), The Biomechanics and Motor Control of Human Gait, and Kadaba, Ramakrishnan &
+  Wootten (1990), J. Orthop. Res. 8, 383-392.
 - pelvis: Kadaba et al. (1990) and Perry & Burnfield (2010). Obliquity is small here, because it is a mean over two
   sexes that move in opposite phase (Troje 2002, section 5; Smith, Lelas & Kerrigan 2002, J. Womens Health 11, 453-458).
 - trunk: Krebs, Wong, Jevsevar, Riley & Hodge (1992), Phys. Ther. 72, 505-514.
@@ -25,7 +25,8 @@ N_HARMONICS = 6
 # of the arms' rotation and abduction are small and not well documented; their means carry the hands before the thighs.
 _LIMB_KEYS = {
     "hip_flexion": (
-        (0, 21.5), (6, 20.5), (12, 17), (20, 8.5), (31, -3.5), (42, -14), (51, -19), (62, -8), (75, 15), (86, 24), (94, 23),
+        (0, 21.5), (6, 20.5), (12, 17), (20, 8.5), (31, -3.5), (42, -14), (51, -19), (62, -8), (75, 15), (86, 24),
+        (94, 23),
     ),
     "knee_flexion": (
         (0, 5), (7, 11.5), (15, 17), (28, 10.5), (40, 5), (50, 10), (62, 39), (72, 61), (80, 50), (88, 22), (96, 4),

@@ -24,10 +24,10 @@ PARAMETERS: tuple[str, ...] = (
 )
 
 _AVERAGE = {"stature": 1.692, "bounce": np.deg2rad(3.0), "frequency": 0.94}
-_WITHOUT_UNIT = {"gain", "delay", "side_gain"}
+_WITHOUT_UNIT = ("gain", "delay", "side_gain")
 
 # Standard deviations between people that no trait explains. Body: metres and relative deviations.
-_BODY_SD = {
+_BODY_SD: dict[str, float] = {
     "stature": 0.0,  # it is a trait
     "leg_length": 0.018,
     "shank_share": 0.012,
@@ -42,6 +42,7 @@ _BODY_SD = {
     "clavicle_forward": 0.010,
     "head_forward": 0.012,
 }
+# Shifts of joints along x, y and z, in metres.
 _SHIFT_SD = {
     "shoulder": (0.008, 0.007, 0.008),
     "elbow": (0.010, 0.010, 0.005),
@@ -76,9 +77,9 @@ _OTHER_SD = {"bounce": np.deg2rad(1.2), "frequency": 0.036}
 
 def unit_of(parameter: str) -> float:
     """Return what one unit of this module's tables is in SI: a degree in radians for angles, else 1."""
-    is_angle = parameter.endswith(CURVE_TERMS + SIDE_TERMS) and parameter.startswith(LIMB_CURVES + AXIAL_CURVES)
-    has_unit = not any(parameter.endswith(f"_{term}") for term in _WITHOUT_UNIT)
-    return float(np.deg2rad(1.0)) if (is_angle and has_unit) or parameter == "bounce" else 1.0
+    relative = any(parameter.endswith(f"_{term}") for term in _WITHOUT_UNIT)
+    is_angle = parameter == "bounce" or (parameter.startswith(LIMB_CURVES + AXIAL_CURVES) and not relative)
+    return float(np.deg2rad(1.0)) if is_angle else 1.0
 
 
 def average_parameters() -> NDArray[np.float64]:

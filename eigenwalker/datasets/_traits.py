@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from eigenwalker.datasets._parameters import PARAMETERS, unit_of
 
-__all__ = ["TRAITS", "TRAIT_CENTERS", "TRAIT_SCALES", "draw_traits", "trait_effects"]
+__all__ = ["TRAITS", "TRAIT_CENTERS", "TRAIT_SCALES", "draw_traits", "trait_effects", "trait_table"]
 
 TRAITS = ("gender", "age", "height", "weight", "happy", "nervous")
 """Gender counts -1 for female and +1 for male."""
@@ -57,8 +57,8 @@ _EFFECTS: dict[str, dict[str, float]] = {
         "shoulder_abduction_mean": 2.4,
         "hip_abduction_gain": 0.10,
         "frequency": -0.022,
-        "bounce": -0.8,
-        "hip_flexion_gain": -0.012,
+        "bounce": -1.1,
+        "hip_flexion_gain": -0.022,
         "foot_pitch_gain": -0.04,
         "trunk_tilt_mean": -0.8,
     },

@@ -53,8 +53,8 @@ def make_walkers(
 
     Each walker is a body with published proportions (Drillis & Contini 1966) whose joints follow published normative
     angles of level walking (Perry & Burnfield 2010, Kadaba et al. 1990, Murray et al. 1967), through forward
-    kinematics, with the stance foot on the ground. A linear model changes about 150 parameters of body, posture,
-    joint curves and frequency: parameters = average + sum over traits of axis * (trait - center) + individual
+    kinematics, with the stance foot on the ground. A linear model changes 256 parameters of body, posture, joint
+    curves and frequency: parameters = average + sum over traits of axis * (trait - center) + individual
     deviation. Traits do what Troje (2002, section 5) saw: men have a larger ratio of shoulder to hip width, sway more
     to the sides, tilt the pelvis in opposite phase and hold their elbows away from the body; heavy walkers are slower,
     wider and bob less. Happy walkers are upright, bouncy and swing their arms, nervous ones are quick and stiff with

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from io import BytesIO
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
@@ -148,9 +149,15 @@ class StickFigureDisplay:
                 _draw_figure(ax, walk, picture[column], offset)
             ax.plot([-0.5 * width, (self.n_phases - 0.5) * width], [floor, floor], color="0.8", lw=0.8, zorder=0)
             ax.text(-0.48 * width, floor - 0.02 * height, walk.name, ha="left", va="top")
-        ax.set_aspect("equal")
+        ax.set_aspect("equal", anchor="N")
         ax.set_axis_off()
         return self
+
+    def _repr_png_(self) -> bytes:
+        """Show the figure in a notebook."""
+        picture = BytesIO()
+        self.figure_.savefig(picture, format="png", dpi=90)
+        return picture.getvalue()
 
 
 def _postures(walk: Walk, n_phases: int) -> NDArray[np.float64]:

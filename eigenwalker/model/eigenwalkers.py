@@ -177,7 +177,7 @@ def _walks(
 
 
 def _label(names: list[str], alphas: NDArray[np.float64]) -> str:
-    return ", ".join(f"{name} {alpha:+g}" for name, alpha in zip(names, alphas, strict=True))
+    return ", ".join(f"{name} {alpha:+g}" if alpha else f"{name} 0" for name, alpha in zip(names, alphas, strict=True))
 
 
 def _trait_name(model: Pipeline, trait: str | int) -> str:

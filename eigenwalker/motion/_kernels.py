@@ -10,7 +10,7 @@ follow from closed sums over time, and the data are read once, by one matrix pro
 import numpy as np
 from numba import njit
 
-__all__ = ["fit_series", "refine"]
+__all__ = ["fit_series", "line_and_wave_shares", "refine"]
 
 # Multiplications in a matrix product, up to which OpenBLAS keeps to one thread: waking a second one takes longer.
 _ONE_THREAD = 262_144
@@ -259,3 +259,51 @@ def refine(channels, total, omega, n_harmonics, ratio, precision, max_iter):
             best += step
             break
     return best, ratio
+
+
+@njit(cache=True, nogil=True)
+def line_and_wave_shares(signal, omegas):
+    """Return which share of a signal's power about its straight line each sine and cosine pair explains.
+
+    Parameters
+    ----------
+    signal : ndarray of shape (n_frames,)
+        One channel.
+    omegas : ndarray of shape (n_omegas,)
+        In radians per frame.
+
+    Returns
+    -------
+    ndarray of shape (n_omegas,)
+        Between 0 and 1.
+    """
+    n_frames = len(signal)
+    center = 0.5 * (n_frames - 1)
+    squares = n_frames * (n_frames * n_frames - 1.0) / 12.0  # sum of t^2
+    level = rise = 0.0
+    for frame in range(n_frames):
+        level += signal[frame] / n_frames
+        rise += (frame - center) * signal[frame] / squares
+    cosine, sine = np.cos(-center * omegas), np.sin(-center * omegas)
+    step_cosine, step_sine = np.cos(omegas), np.sin(omegas)
+    along_cosine, along_sine = np.zeros_like(omegas), np.zeros_like(omegas)
+    total = 0.0
+    for frame in range(n_frames):
+        flat = signal[frame] - level - rise * (frame - center)
+        total += flat * flat
+        for position in range(len(omegas)):  # innermost, so that all recurrences go on side by side
+            old_cosine, old_sine = cosine[position], sine[position]
+            along_cosine[position] += flat * old_cosine
+            along_sine[position] += flat * old_sine
+            cosine[position] = old_cosine * step_cosine[position] - old_sine * step_sine[position]
+            sine[position] = old_sine * step_cosine[position] + old_cosine * step_sine[position]
+    shares = np.zeros_like(omegas)
+    if total <= 0.0:
+        return shares
+    for position in range(len(omegas)):
+        # What remains of cosine and sine after the constant and the line are taken out of them.
+        sums = _time_sums(n_frames, omegas[position], 2)
+        free_cosine = 0.5 * (n_frames + sums[0, 2]) - sums[0, 1] ** 2 / n_frames
+        free_sine = 0.5 * (n_frames - sums[0, 2]) - sums[1, 1] ** 2 / squares
+        shares[position] = (along_cosine[position] ** 2 / free_cosine + along_sine[position] ** 2 / free_sine) / total
+    return shares

@@ -8,10 +8,9 @@ All functions work on plain arrays, time first. Frequencies are in hertz, times 
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.fft import next_fast_len, rfft
 
 from eigenwalker._validation import WalkError, check_frame_rate
-from eigenwalker.motion._kernels import fit_series, refine
+from eigenwalker.motion._kernels import fit_series, line_and_wave_shares, refine
 
 __all__ = [
     "amplitude_phase",
@@ -28,6 +27,8 @@ SEARCH_HARMONICS = 4
 FREQUENCY_RANGE = (0.3, 2.5)
 _MAX_STEPS = 50
 _COARSE_RATE = 25.0  # frames per second that suffice for the first guess
+_TRIALS = 60  # least number of frequencies tried for it
+_TRIALS_PER_CYCLE = 6  # and least number from one more cycle in the signal to the next
 _FRAMES_PER_WAVE = 6  # of the highest harmonic that suffice for all but the last steps of the search
 _WEAK = 0.2  # share of the reference below which its best sine is no period
 
@@ -312,7 +313,8 @@ def coarse_frequency(
             f"walk {name!r}: expected at least one stride, got {len(reference)} frames, {duration:.3g} s; "
             f"no frequency between {frequency_range[0]:g} and {frequency_range[1]:g} Hz fits into that"
         )
-    frequencies, shares = _wave_shares(signal, rate, low, high)
+    frequencies = np.linspace(low, high, max(_TRIALS, int((high - low) * duration * _TRIALS_PER_CYCLE)))
+    shares = line_and_wave_shares(signal, 2 * np.pi * frequencies / rate)
     best = int(np.argmax(shares))
     if shares[best] < _WEAK or best in (0, len(shares) - 1):
         raise WalkError(
@@ -328,32 +330,6 @@ def _block_means(values: NDArray[np.floating], block: int) -> NDArray[np.floatin
     n_blocks = len(values) // block
     blocks = values[: n_blocks * block].reshape(n_blocks, block, *values.shape[1:])
     return np.einsum("bf...->b...", blocks) / block
-
-
-def _wave_shares(
-    signal: NDArray[np.float64], rate: float, low: float, high: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return frequencies between `low` and `high` and which share of a signal's power a sine and cosine explain there.
-
-    The power is that about a straight line, and the waves are fitted together with the line: from their products
-    with the signal, by a zero-padded Fourier transform, and what of their own power the line leaves.
-    """
-    n_frames = len(signal)
-    times = np.arange(n_frames) - 0.5 * (n_frames - 1)
-    squares = n_frames * (n_frames**2 - 1) / 12  # sum of t^2
-    flat = signal - signal.mean() - times * (times @ signal / squares)
-    n_bins = next_fast_len(int(max(10 * n_frames, 8 * rate / (high - low))), real=True)
-    first, last = int(np.ceil(low * n_bins / rate)), int(high * n_bins / rate)
-    omegas = 2 * np.pi / n_bins * np.arange(first, last + 1)
-    along = rfft(flat, n_bins)[first : last + 1] * np.exp(0.5j * (n_frames - 1) * omegas)
-    once = np.sin(0.5 * n_frames * omegas) / np.sin(0.5 * omegas)  # sum of cos(omega t)
-    timed = 0.5 * (once / np.tan(0.5 * omegas) - n_frames * np.cos(0.5 * n_frames * omegas) / np.sin(0.5 * omegas))
-    twice = np.sin(n_frames * omegas) / np.sin(omegas)  # sum of cos(2 omega t)
-    free_cosine = 0.5 * (n_frames + twice) - once**2 / n_frames
-    free_sine = 0.5 * (n_frames - twice) - timed**2 / squares  # timed: sum of t sin(omega t)
-    total = float(flat @ flat)
-    shares = along.real**2 / free_cosine + along.imag**2 / free_sine
-    return omegas * rate / (2 * np.pi), shares / total if total > 0 else np.zeros(len(omegas))
 
 
 def _top_of_parabola(grid: NDArray[np.float64], values: NDArray[np.float64], best: int) -> float:

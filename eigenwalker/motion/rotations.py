@@ -44,9 +44,12 @@ def rotvec_from_euler(angles: ArrayLike, order: str) -> NDArray[np.float64]:
     if set(order) - set("XYZ"):
         raise ValueError(f"order must consist of X, Y and Z, got {order!r}")
     if angles.ndim == 0 or angles.shape[-1] != len(order):
-        raise ValueError(f"angles must have {len(order)} entries in the last axis, one a letter of {order!r}, "
-                         f"got shape {angles.shape}")  # fmt: skip
-    flat = np.ascontiguousarray(angles.reshape(-1, len(order)))  # (..., n_axes) -> (n, n_axes)
+        raise ValueError(
+            f"angles must have {len(order)} entries in the last axis, one a letter of {order!r}, "
+            f"got shape {angles.shape}"
+        )
+    n_rotations = int(np.prod(angles.shape[:-1]))
+    flat = np.ascontiguousarray(angles.reshape(n_rotations, len(order)))  # (..., n_axes) -> (n, n_axes)
     axes = np.array(["XYZ".index(letter) for letter in order], dtype=np.int64)
     return _rotvec_from_euler(flat, axes).reshape(*angles.shape[:-1], 3)
 
