@@ -23,9 +23,7 @@ Array = NDArray[np.float64]
 
 def _design(n_frames: int, frame_rate: float, frequency: float) -> Array:
     angles = 2 * np.pi * frequency / frame_rate * np.arange(n_frames)
-    return np.column_stack(
-        (np.ones(n_frames), np.sin(angles), np.cos(angles), np.sin(2 * angles), np.cos(2 * angles))
-    )
+    return np.column_stack((np.ones(n_frames), np.sin(angles), np.cos(angles), np.sin(2 * angles), np.cos(2 * angles)))
 
 
 def fit_by_lstsq(channels: Array, frame_rate: float, frequency: float) -> Array:

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 from sklearn.model_selection import LeaveOneOut, cross_val_score
 
-from eigenwalker import TraitClassifier, make_eigenwalkers, walk_along_axis
+from eigenwalker import FourierLinearizer, TraitClassifier, make_eigenwalkers, walk_along_axis
 from eigenwalker.motion import stride_frequency, walk_quality
 from tests.events import heel_strikes, stride_frequency_from_strikes
 from tests.recorded import bandai_walks, cmu_walks, style
@@ -112,3 +112,23 @@ def test_base_with_its_own_alpha_is_the_base(two_styles):
     band_limited = linearizer.inverse_transform(linearizer.transform([base]))[0]
     assert np.abs(same.positions - band_limited.positions).max() < 1e-9
     assert same.speed == base.speed
+
+
+def test_joint_walks_are_linearised_as_well(data_dir):
+    """The same steps on joint rotations: one stride frequency, and a band-limited walk comes back."""
+    recorded, prepared, _ = cmu_walks(data_dir)
+    still = [walk for walk in recorded if walk.name in ("05_01", "06_01", "07_07")]
+    linearizer = FourierLinearizer(n_cycles=3).fit(still)
+    vectors = linearizer.transform(still)
+    assert vectors.shape == (3, 5 * 3 * len(still[0].skeleton.joint_names) + 1)
+    by_markers = [stride_frequency(walk) for walk in prepared if walk.name in ("05_01", "06_01", "07_07")]
+    np.testing.assert_allclose(vectors[:, -1], by_markers, rtol=0.05)
+    made = linearizer.inverse_transform(vectors)
+    np.testing.assert_allclose(linearizer.transform(made), vectors, atol=1e-9)
+    legs = np.linalg.norm(np.diff(made[0].to_markers().positions[:, [9, 10, 11]], axis=1), axis=2)
+    assert np.ptp(legs, axis=0).max() < 1e-9
+
+
+def test_rigs_without_hip_flexion_ask_for_a_reference(data_dir):
+    with pytest.raises(ValueError, match="rig 'bandai' names no channels of hip flexion; pass phase_reference="):
+        FourierLinearizer().fit(bandai_walks(data_dir)[0][:1])

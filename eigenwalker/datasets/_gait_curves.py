@@ -2,9 +2,9 @@
 
 The key values are read off published curves and rounded; they are facts about the average adult, not tables:
 
-- hip (thigh against the vertical), knee, and foot (against the floor): Perry & Burnfield (2010), Gait Analysis, 2nd ed.;
-  the same courses are in Winter (1991), The Biomechanics and Motor Control of Human Gait, and Kadaba, Ramakrishnan &
-  Wootten (1990), J. Orthop. Res. 8, 383-392.
+- hip (thigh against the vertical), knee and foot (against the floor): Perry & Burnfield (2010), Gait Analysis, 2nd
+  ed.; Winter (1991), The Biomechanics and Motor Control of Human Gait; Kadaba, Ramakrishnan & Wootten (1990),
+  J. Orthop. Res. 8, 383-392.
 - pelvis: Kadaba et al. (1990) and Perry & Burnfield (2010). Obliquity is small here, because it is a mean over two
   sexes that move in opposite phase (Troje 2002, section 5; Smith, Lelas & Kerrigan 2002, J. Womens Health 11, 453-458).
 - trunk: Krebs, Wong, Jevsevar, Riley & Hodge (1992), Phys. Ther. 72, 505-514.
@@ -17,7 +17,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-__all__ = ["AXIAL_CURVES", "HEEL_LIFT", "LIMB_CURVES", "NORMATIVE", "N_HARMONICS", "curve_values", "shift_curve"]
+__all__ = [
+    "AXIAL_CURVES",
+    "HEEL_LIFT",
+    "LIMB_CURVES",
+    "NORMATIVE",
+    "N_HARMONICS",
+    "curve_values",
+    "shift_curve",
+    "stride_waves",
+]
 
 N_HARMONICS = 6
 
@@ -95,26 +104,25 @@ def shift_curve(coefficients: NDArray[np.float64], delay: float) -> NDArray[np.f
     return shifted
 
 
-def curve_values(
-    coefficients: NDArray[np.float64], phase: NDArray[np.float64], amplitude: NDArray[np.float64] | float = 1.0
-) -> NDArray[np.float64]:
-    """Return curves at some phases, shape (n_phases, n_curves).
+def stride_waves(phase: NDArray[np.float64], amplitude: NDArray[np.float64] | float = 1.0) -> NDArray[np.float64]:
+    """Return sines and cosines of the stride, shape (n_phases, 2 K): sin1, cos1, sin2, ...
 
     Parameters
     ----------
-    coefficients : ndarray of shape (n_curves, 2 K + 1)
-        Mean, sin1, cos1, ... of each curve.
     phase : ndarray of shape (n_phases,)
         In strides.
     amplitude : float or ndarray of shape (n_phases,), default 1.0
-        Factor on everything but the mean.
-
-    Returns
-    -------
-    ndarray of shape (n_phases, n_curves)
+        Factor on all of them.
     """
-    n_harmonics = (coefficients.shape[1] - 1) // 2
-    turns = np.exp(2j * np.pi * phase)
-    powers = turns[:, np.newaxis] ** np.arange(1, n_harmonics + 1)  # (n_phases, K)
-    waves = np.stack((powers.imag, powers.real), axis=2).reshape(len(phase), -1)  # (n_phases, 2 K), sin before cos
-    return coefficients[:, 0] + (waves * np.reshape(amplitude, (-1, 1))) @ coefficients[:, 1:].T
+    turn = np.exp(2j * np.pi * phase)
+    powers = np.empty((len(phase), N_HARMONICS), dtype=np.complex128)
+    powers[:, 0] = turn
+    for harmonic in range(1, N_HARMONICS):
+        powers[:, harmonic] = powers[:, harmonic - 1] * turn
+    waves = np.stack((powers.imag, powers.real), axis=2).reshape(len(phase), -1)  # (n_phases, K, 2) -> (n_phases, 2 K)
+    return waves * np.reshape(amplitude, (-1, 1))
+
+
+def curve_values(coefficients: NDArray[np.float64], waves: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return curves, shape (n_phases, n_curves), from their coefficients, one curve a row, and `stride_waves`."""
+    return coefficients[:, 0] + waves @ coefficients[:, 1:].T

@@ -14,6 +14,7 @@ from eigenwalker.datasets._gait_curves import (
     NORMATIVE,
     curve_values,
     shift_curve,
+    stride_waves,
 )
 from eigenwalker.datasets._kinematics import Posture, posture, stance_height, stance_velocity, support
 from eigenwalker.datasets._parameters import PARAMETERS
@@ -22,6 +23,8 @@ from eigenwalker.motion import TROJE15, Skeleton, fit_harmonics, reference_phase
 __all__ = ["FEATURES", "Walker", "make_walker", "stride_features", "walker_markers"]
 
 _CYCLE = np.arange(128) / 128  # phases of the closed stride
+_CYCLE_WAVES = stride_waves(_CYCLE)
+_N_LEG_CURVES = sum(name.startswith(("hip", "knee", "foot")) for name in LIMB_CURVES)
 _STEADINESS = 0.65  # share of the pelvis's surging that the hips take up
 _WAVES = ("sin1", "cos1", "sin2", "cos2", "sin3", "cos3")
 
@@ -72,7 +75,7 @@ def make_walker(parameters: NDArray[np.float64]) -> Walker:
 
 def _on_the_ground(walker: Walker) -> Walker:
     """Move the pelvis so that the standing foot stays where it is."""
-    velocity = stance_velocity(_posture(walker, _CYCLE, _CYCLE, 1.0, 1.0).soles, support(_CYCLE))
+    velocity = stance_velocity(_posture(walker, _CYCLE_WAVES, _CYCLE_WAVES).soles, support(_CYCLE))
     return walker._replace(sway=_integrate(velocity), stride_length=float(velocity[:, 0].mean()))
 
 
@@ -110,22 +113,15 @@ def _integrate(velocity: NDArray[np.float64]) -> NDArray[np.float64]:
     return path.T
 
 
-def _posture(
-    walker: Walker,
-    legs: NDArray[np.float64],
-    arms: NDArray[np.float64],
-    leg_amplitude: NDArray[np.float64] | float,
-    arm_amplitude: NDArray[np.float64] | float,
-) -> Posture:
-    n_leg_curves = sum(name.startswith(("hip", "knee", "foot")) for name in LIMB_CURVES)
+def _posture(walker: Walker, legs: NDArray[np.float64], arms: NDArray[np.float64]) -> Posture:
+    """Return the body for the `stride_waves` of legs and trunk and of the arms."""
+    # The right side does half a stride later what the left side does.
+    sides = walker.left, shift_curve(walker.right, 0.5)
     limbs = [
-        np.hstack((
-            curve_values(coefficients[:n_leg_curves], legs + offset, leg_amplitude),
-            curve_values(coefficients[n_leg_curves:], arms + offset, arm_amplitude),
-        ))
-        for coefficients, offset in ((walker.left, 0.0), (walker.right, 0.5))
-    ]  # fmt: skip
-    return posture(walker.skeleton, curve_values(walker.axial, legs, leg_amplitude), *limbs)
+        np.hstack((curve_values(side[:_N_LEG_CURVES], legs), curve_values(side[_N_LEG_CURVES:], arms)))
+        for side in sides
+    ]
+    return posture(walker.skeleton, curve_values(walker.axial, legs), *limbs)
 
 
 def walker_markers(
@@ -150,8 +146,9 @@ def walker_markers(
     -------
     ndarray of shape (n_frames, 15, 3)
     """
-    body = _posture(walker, legs, arms, leg_amplitude, arm_amplitude)
-    sway = curve_values(walker.sway, legs, leg_amplitude)
+    leg_waves = stride_waves(legs, leg_amplitude)
+    body = _posture(walker, leg_waves, stride_waves(arms, arm_amplitude))
+    sway = curve_values(walker.sway, leg_waves)
     pelvis = np.column_stack((sway, stance_height(body.soles, support(legs))))
     return body.markers + pelvis[:, np.newaxis]
 

@@ -136,7 +136,9 @@ class StickFigureDisplay:
             figure = Figure(figsize=(1.1 * self.n_phases + 1.2, 2.2 * len(self.walks) + 0.2), layout="constrained")
             ax = figure.add_subplot()
         self.ax_ = ax
-        self.figure_: Figure = ax.get_figure(root=True)
+        figure_of_ax = ax.get_figure(root=True)
+        assert figure_of_ax is not None  # axes live on a figure
+        self.figure_ = figure_of_ax
         postures = [_postures(walk, self.n_phases) for walk in self.walks]
         seen = [project(posture, self.azimuth) for posture in postures]
         width = 1.15 * max(np.ptp(picture[..., 0]) for picture in seen)

@@ -10,7 +10,7 @@ follow from closed sums over time, and the data are read once, by one matrix pro
 import numpy as np
 from numba import njit
 
-__all__ = ["fit_series", "line_and_wave_shares", "refine"]
+__all__ = ["block_means", "fit_series", "line_and_wave_shares", "refine"]
 
 # Multiplications in a matrix product, up to which OpenBLAS keeps to one thread: waking a second one takes longer.
 _ONE_THREAD = 262_144
@@ -18,47 +18,45 @@ _ONE_THREAD = 262_144
 
 @njit(cache=True, nogil=True)
 def _fill_basis(basis, time, omega, n_harmonics):
-    """Write the basis functions of the frames from `time` on into the rows of `basis`.
+    """Write the basis functions of the frames from `time` on into rows of `basis`, shape (n_functions, n_frames).
 
-    If it has more than 2 K + 1 columns, time times the waves follows. Sine and cosine go on by recurrence from exact
-    values in the first row.
+    If it has more than 2 K + 1 rows, time times the waves follows. Sine and cosine go on by recurrence from exact
+    values in the first frame.
     """
-    n_rows, n_columns = basis.shape
-    n_waves = 2 * n_harmonics
+    n_functions, n_frames = basis.shape
     step_cosine, step_sine = np.cos(omega), np.sin(omega)
     cosine, sine = np.cos(omega * time), np.sin(omega * time)
-    for row in range(n_rows):
-        basis[row, 0] = 1.0
-        high_cosine, high_sine = cosine, sine
-        for k in range(n_harmonics):
-            basis[row, 2 * k + 1] = high_sine
-            basis[row, 2 * k + 2] = high_cosine
-            high_cosine, high_sine = (
-                high_cosine * cosine - high_sine * sine,
-                high_sine * cosine + high_cosine * sine,
-            )
-        for column in range(n_waves + 1, n_columns):
-            basis[row, column] = (time + row) * basis[row, column - n_waves]
+    for frame in range(n_frames):
+        basis[0, frame], basis[1, frame], basis[2, frame] = 1.0, sine, cosine
         cosine, sine = cosine * step_cosine - sine * step_sine, sine * step_cosine + cosine * step_sine
+    for k in range(3, 2 * n_harmonics + 1, 2):
+        for frame in range(n_frames):
+            sine, cosine = basis[1, frame], basis[2, frame]
+            basis[k, frame] = basis[k - 2, frame] * cosine + basis[k - 1, frame] * sine
+            basis[k + 1, frame] = basis[k - 1, frame] * cosine - basis[k - 2, frame] * sine
+    for row in range(2 * n_harmonics + 1, n_functions):
+        for frame in range(n_frames):
+            basis[row, frame] = (time + frame) * basis[row - 2 * n_harmonics, frame]
 
 
 @njit(cache=True, nogil=True)
-def _correlate(channels, omega, n_harmonics, n_columns):
-    """Return the sums over time of each basis function times each channel, shape (n_columns, n_channels).
+def _correlate(channels, omega, n_harmonics, n_functions):
+    """Return the sums over time of each basis function times each channel, shape (n_functions, n_channels).
 
-    With 4 K + 1 columns instead of 2 K + 1, also those of time times the waves.
+    With 4 K + 1 functions instead of 2 K + 1, also those of time times the waves.
     """
     n_frames, n_channels = channels.shape
-    n_rows = max(16, _ONE_THREAD // (n_columns * n_channels))
-    sums = np.zeros((n_columns, n_channels))
+    n_rows = max(16, _ONE_THREAD // (n_functions * n_channels))
+    sums = np.zeros((n_functions, n_channels))
     for first in range(0, n_frames, n_rows):
         last = min(first + n_rows, n_frames)
-        basis = np.empty((last - first, n_columns))
+        basis = np.empty((n_functions, last - first))
         _fill_basis(basis, first - 0.5 * (n_frames - 1), omega, n_harmonics)
-        part = np.dot(basis.T, channels[first:last])  # (n_columns, n_rows) @ (n_rows, n_channels)
-        for column in range(n_columns):
+        # Quicker than its transpose: (n_channels, n_rows) @ (n_rows, n_functions)
+        part = np.dot(channels[first:last].T, basis.T)
+        for row in range(n_functions):
             for channel in range(n_channels):
-                sums[column, channel] += part[column, channel]
+                sums[row, channel] += part[channel, row]
     return sums
 
 
@@ -208,7 +206,35 @@ def _project(channels, omega, n_harmonics):
 
 
 @njit(cache=True, nogil=True)
-def refine(channels, total, omega, n_harmonics, ratio, precision, max_iter):
+def block_means(channels, block):
+    """Return the means of blocks of frames: a walk of the same frequencies at a lower frame rate.
+
+    Frames that fill no block are left out.
+
+    Parameters
+    ----------
+    channels : ndarray of shape (n_frames, n_channels)
+        float64, contiguous.
+    block : int
+        Number of frames in a block.
+
+    Returns
+    -------
+    ndarray of shape (n_frames // block, n_channels)
+    """
+    n_blocks, n_channels = len(channels) // block, channels.shape[1]
+    means = np.zeros((n_blocks, n_channels))
+    for position in range(n_blocks):
+        for frame in range(position * block, (position + 1) * block):
+            for channel in range(n_channels):
+                means[position, channel] += channels[frame, channel]
+        for channel in range(n_channels):
+            means[position, channel] /= block
+    return means
+
+
+@njit(cache=True, nogil=True)
+def refine(channels, omega, n_harmonics, ratio, precision, max_iter):
     """Return the frequency next to `omega` that explains most, and the ratio of true to Gauss-Newton's curvature.
 
     Gauss-Newton steps, divided by that ratio once two slopes have shown it, halved while they lose power. Ends with
@@ -219,8 +245,6 @@ def refine(channels, total, omega, n_harmonics, ratio, precision, max_iter):
     ----------
     channels : ndarray of shape (n_frames, n_channels)
         float64, contiguous.
-    total : float
-        Sum of squares of all channels.
     omega : float
         Start, in radians per frame.
     n_harmonics : int
@@ -234,6 +258,8 @@ def refine(channels, total, omega, n_harmonics, ratio, precision, max_iter):
     """
     n_frames, n_channels = channels.shape
     longest = 0.5 / n_frames  # radians a frame: a twelfth of a cycle over the whole walk
+    flat = channels.reshape(1, n_frames * n_channels)
+    total = _inner(flat, flat)
     doubt = abs(ratio - 1.0) if ratio != 1.0 else 1.0
     best, step, smallest = omega, 0.0, 0.0
     power = slope = 0.0

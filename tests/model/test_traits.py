@@ -93,9 +93,12 @@ def test_missing_labels_count_for_the_average_only(data):
     alone = TraitRegressor().fit(scores[known], partial.loc[known, "mood"])
     assert_allclose(axes.coef_[0], alone.coef_[0], atol=1e-10)
     assert_allclose(axes.mean_, scores.mean(axis=0))
-    expected = np.mean([r2_score(partial[n][k], axes.predict(scores)[k, i]) for i, (n, k) in enumerate(
-        (name, partial[name].notna().to_numpy()) for name in partial
-    )])
+    expected = np.mean(
+        [
+            r2_score(partial[n][k], axes.predict(scores)[k, i])
+            for i, (n, k) in enumerate((name, partial[name].notna().to_numpy()) for name in partial)
+        ]
+    )
     assert_allclose(axes.score(scores, partial), expected)
 
 

@@ -127,7 +127,11 @@ def _cramer_rao(coefficients, frequency, n_frames, frame_rate, noise):
     design = _design(frequency, n_harmonics, n_frames, frame_rate)
     times = np.arange(n_frames)[:, np.newaxis] / frame_rate
     slope = sum(
-        2 * np.pi * k * times * (design[:, [2 * k]] * coefficients[2 * k - 1] - design[:, [2 * k - 1]] * coefficients[2 * k])
+        2
+        * np.pi
+        * k
+        * times
+        * (design[:, [2 * k]] * coefficients[2 * k - 1] - design[:, [2 * k - 1]] * coefficients[2 * k])
         for k in range(1, n_harmonics + 1)
     )
     rest = slope - design @ np.linalg.lstsq(design, slope)[0]

@@ -54,7 +54,7 @@ def test_heading_changes_nothing_in_place(degrees):
 
 def test_place_changes_nothing():
     moving, _ = _overground(noise=0.002)
-    elsewhere = replace(moving, positions=moving.positions + [30.0, -12.0, 0.0])
+    elsewhere = replace(moving, positions=moving.positions + np.array([30.0, -12.0, 0.0]))
     assert_allclose(_features(prepare(elsewhere)), _features(prepare(moving)), atol=1e-6)
 
 
@@ -118,7 +118,7 @@ def test_inverse_needs_a_speed():
 
 def test_frames_of_zeros_are_left_out_with_a_warning():
     moving, _ = _overground()
-    positions = np.concatenate((np.zeros((3, 15, 3)), moving.positions + [2.0, 0.0, 0.0]))
+    positions = np.concatenate((np.zeros((3, 15, 3)), moving.positions + np.array([2.0, 0.0, 0.0])))
     with pytest.warns(UserWarning, match=r"'anna'.*kept frames 3 to .* left the other 3 out"):
         prepared = prepare(replace(moving, positions=positions))
     assert_allclose(_features(prepared), _features(prepare(moving)), atol=1e-6)
@@ -151,7 +151,11 @@ def test_bad_walks_are_refused(spoil, message):
 
 def test_all_refusals_come_at_once():
     moving, _ = _overground()
-    walks = [moving, replace(_with_gap(moving), name="bert"), replace(moving, positions=moving.positions[:9], name="cleo")]
+    walks = [
+        moving,
+        replace(_with_gap(moving), name="bert"),
+        replace(moving, positions=moving.positions[:9], name="cleo"),
+    ]
     with pytest.raises(WalkError, match=r"(?s)2 of 3 walks.*'bert'.*'cleo'"):
         prepare_walks(walks)
     with pytest.warns(UserWarning, match=r"(?s)2 of 3 walks.*'bert'.*'cleo'"):

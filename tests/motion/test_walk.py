@@ -55,7 +55,11 @@ def test_the_array_passed_in_is_not_shared():
 @pytest.mark.parametrize(
     ("arguments", "error", "message"),
     [
-        ({"positions": np.zeros((3, 14, 3))}, ValueError, r"positions must have shape \(n_frames, 15, 3\), got \(3, 14, 3\)"),
+        (
+            {"positions": np.zeros((3, 14, 3))},
+            ValueError,
+            r"positions must have shape \(n_frames, 15, 3\), got \(3, 14, 3\)",
+        ),
         ({"positions": "walk"}, ValueError, "positions must be an array of numbers"),
         ({"positions": np.zeros((0, 15, 3))}, ValueError, "at least one frame"),
         ({"frame_rate": 0}, ValueError, "frame_rate must be positive and finite, in frames per second, got 0"),
@@ -93,7 +97,9 @@ def test_translations_replace_offsets():
 
 
 def test_unknown_skeletons_ask_for_a_rig():
-    with pytest.raises(ValueError, match=r"no known rig \(bandai, cmu\) matches the joints hips, knee, foot; pass rig="):
+    with pytest.raises(
+        ValueError, match=r"no known rig \(bandai, cmu\) matches the joints hips, knee, foot; pass rig="
+    ):
         _joint_walk().to_markers()
     rig = Rig("peg", {name: {"hips": 0.5, "foot": 0.5} for name in TROJE15.names})
     assert_allclose(_joint_walk().to_markers(rig).positions, np.tile([0, 0, 0.45], (4, 15, 1)), atol=1e-12)
