@@ -272,7 +272,7 @@ class FourierLinearizer(TransformerMixin, BaseEstimator):
 
 def _one_frame(walk: Walk | JointWalk) -> Walk | JointWalk:
     """Keep the kind and the channels of a walk, and one frame, without what is its own."""
-    plain: dict[str, Any] = {"name": "", "speed": float("nan"), "size": 1.0}
+    plain: dict[str, Any] = {"name": "", "speed": float("nan"), "size": 1.0, "events": ()}
     if isinstance(walk, JointWalk):
         still = {joint: path[:1] for joint, path in walk.translations.items()}
         return replace(walk, rotations=walk.rotations[:1], root=walk.root[:1], translations=still, **plain)

@@ -16,11 +16,12 @@ from eigenwalker.motion.preparation import WalkPreparer, mirror_walk, prepare, p
 from eigenwalker.motion.quality import WalkQuality, walk_quality
 from eigenwalker.motion.rotations import forward_kinematics, rotvec_from_euler, unroll_rotvec
 from eigenwalker.motion.skeleton import RIGS, TROJE15, MarkerSet, Rig, Skeleton, find_rig
-from eigenwalker.motion.walk import JointWalk, Walk
+from eigenwalker.motion.walk import Event, JointWalk, Walk
 
 __all__ = [
     "RIGS",
     "TROJE15",
+    "Event",
     "JointWalk",
     "MarkerSet",
     "Rig",

@@ -131,7 +131,10 @@ def _without_leaps(walk: Walk) -> Walk:
 
 
 def _cut(walk: Walk, frames: slice) -> Walk:
-    return replace(walk, positions=walk.positions[frames])
+    """Keep a stretch of frames, and the events in it."""
+    start, end = frames.start / walk.frame_rate, frames.stop / walk.frame_rate
+    events = tuple(event._replace(time=event.time - start) for event in walk.events if start <= event.time < end)
+    return replace(walk, positions=walk.positions[frames], events=events)
 
 
 def _floor(walk: Walk, marker: str) -> NDArray[np.floating]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,9 +11,27 @@ from eigenwalker._validation import check_array, check_frame_rate, restore_read_
 from eigenwalker.motion.rotations import forward_kinematics
 from eigenwalker.motion.skeleton import TROJE15, MarkerSet, Rig, Skeleton, find_rig
 
-__all__ = ["JointWalk", "Walk"]
+__all__ = ["Event", "JointWalk", "Walk"]
 
 _AXES = ("x", "y", "z")
+
+
+class Event(NamedTuple):
+    """Something that happens at one time in a walk, such as a heel strike.
+
+    Parameters
+    ----------
+    time : float
+        Seconds from the first frame.
+    kind : str
+        "heel_strike", "toe_off", or what a file calls it.
+    side : str, default ""
+        "left", "right", or "" where the event has no side.
+    """
+
+    time: float
+    kind: str
+    side: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +54,8 @@ class Walk:
         Speed of the treadmill belt in m/s; NaN where it is unknown.
     size : float, default 1.0
         The factor by which the positions were divided to take body size out.
+    events : tuple of Event, default ()
+        Known events, ordered by time.
 
     Examples
     --------
@@ -52,6 +72,7 @@ class Walk:
     name: str = ""
     speed: float = float("nan")
     size: float = 1.0
+    events: tuple[Event, ...] = ()
 
     def __post_init__(self) -> None:
         if not isinstance(self.marker_set, MarkerSet):
@@ -122,6 +143,8 @@ class JointWalk:
     translations : mapping of str to ndarray of shape (n_frames, 3), default empty
         Joints other than the root that move against their parent, in metres. Joints that are not
         named stay at their offset in the skeleton.
+    events : tuple of Event, default ()
+        Known events, ordered by time.
     """
 
     rotations: NDArray[np.floating]
@@ -132,6 +155,7 @@ class JointWalk:
     speed: float = float("nan")
     size: float = 1.0
     translations: Mapping[str, NDArray[np.floating]] = field(default_factory=dict)
+    events: tuple[Event, ...] = ()
 
     def __post_init__(self) -> None:
         if not isinstance(self.skeleton, Skeleton):
@@ -231,7 +255,7 @@ class JointWalk:
         names = self.skeleton.joint_names
         weights = (rig or find_rig(names)).weights(names)
         positions = np.matmul(weights, self.joint_positions())  # (15, J) @ (T, J, 3) -> (T, 15, 3)
-        return Walk(positions, self.frame_rate, TROJE15, self.name, self.speed, self.size)
+        return Walk(positions, self.frame_rate, TROJE15, self.name, self.speed, self.size, self.events)
 
     def _local_positions(self) -> NDArray[np.float64]:
         """Position of each joint in its parent's frame, shape (n_frames, n_joints, 3)."""
@@ -252,5 +276,9 @@ def _check_common(walk: Walk | JointWalk) -> None:
     object.__setattr__(walk, "size", float(walk.size))
     if not (np.isfinite(walk.size) and walk.size > 0):
         raise ValueError(f"size must be positive and finite, got {walk.size}")
+    wrong = [event for event in walk.events if not (isinstance(event, Event) and np.isfinite(event.time))]
+    if wrong:
+        raise TypeError(f"events must be Event(time, kind, side) with finite times, got {wrong[0]!r}")
+    object.__setattr__(walk, "events", tuple(sorted(walk.events)))
     if walk.n_frames == 0:
         raise ValueError(f"walk {walk.name!r}: expected at least one frame, got none")

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 
 from eigenwalker import WalkError, WalkPreparer, make_walkers, prepare
 from eigenwalker.model import FourierLinearizer
-from eigenwalker.motion import TROJE15, MarkerSet, Walk, mirror_walk, prepare_walks, walk_quality
+from eigenwalker.motion import TROJE15, Event, MarkerSet, Walk, mirror_walk, prepare_walks, walk_quality
 from tests import contract
 from tests.synthetic import make_walk
 
@@ -160,6 +160,20 @@ def test_all_refusals_come_at_once():
         prepare_walks(walks)
     with pytest.warns(UserWarning, match=r"(?s)2 of 3 walks.*'bert'.*'cleo'"):
         assert [walk.name for walk in prepare_walks(walks, on_error="skip")] == ["anna"]
+
+
+def test_events_move_with_the_frames_that_are_kept():
+    moving, _ = _overground(n_cycles=8)
+    events = tuple(Event(time, "heel_strike", "left") for time in np.arange(0.5, 8, 1.0))
+    prepared = prepare(replace(moving, events=events))
+    cut = moving.n_frames - prepared.n_frames
+    assert cut > 0
+    (first, *_), times = prepared.events, [event.time for event in prepared.events]
+    assert len(times) < len(events)
+    assert 0 <= first.time
+    assert times[-1] < prepared.duration
+    start = (events[0].time - first.time) % 1.0
+    assert_allclose(start * 120, round(start * 120), atol=1e-6)
 
 
 def test_wrong_choices_are_refused():

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from eigenwalker.motion import RIGS, TROJE15, JointWalk, MarkerSet, Rig, Skeleton, Walk, find_rig
+from eigenwalker.motion import RIGS, TROJE15, Event, JointWalk, MarkerSet, Rig, Skeleton, Walk, find_rig
 
 
 def _skeleton():
@@ -67,6 +67,7 @@ def test_the_array_passed_in_is_not_shared():
         ({"marker_set": "troje"}, TypeError, "marker_set must be a MarkerSet, got str"),
         ({"name": 3}, TypeError, "name must be a string"),
         ({"size": 0.0}, ValueError, "size must be positive"),
+        ({"events": ("strike",)}, TypeError, r"events must be Event\(time, kind, side\) with finite times, got 'strike'"),
     ],
 )
 def test_wrong_fields_are_refused(arguments, error, message):
@@ -142,3 +143,9 @@ def test_marker_sets_know_both_sides():
         MarkerSet(("left_hand",)).index("tail")
     with pytest.raises(ValueError, match="sticks must join known markers, got nose"):
         MarkerSet(("left_hand",), (("left_hand", "nose"),))
+
+
+def test_events_are_ordered_and_travel_along():
+    events = (Event(0.1, "toe_off", "left"), Event(0.05, "heel_strike", "right"))
+    assert Walk(np.zeros((9, 15, 3)), 60, events=events).events == events[::-1]
+    assert _joint_walk(events=events).events[0].side == "right"
