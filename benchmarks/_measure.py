@@ -19,6 +19,7 @@ __all__ = [
     "print_targets",
     "ratio",
     "read_bandwidth",
+    "sum_values",
 ]
 
 
@@ -47,7 +48,7 @@ def _processor() -> str:
         return platform.processor() or platform.machine()
 
 
-def interleaved(functions: Mapping[str, Callable[[int], int]], n_rounds: int) -> dict[str, NDArray[np.float64]]:
+def interleaved(functions: Mapping[str, Callable[[int], float]], n_rounds: int) -> dict[str, NDArray[np.float64]]:
     """Return seconds a walk of each function in each round, shape (n_rounds,), after one round that is not counted.
 
     Parameters
@@ -73,7 +74,8 @@ def ratio(seconds: Mapping[str, NDArray[np.float64]], name: str, reference: str)
 
 
 @njit(cache=True, nogil=True, fastmath=True)
-def _sum(values):
+def sum_values(values):
+    """Return the sum of a vector, as fast as memory delivers it."""
     total = 0.0
     for position in range(len(values)):
         total += values[position]
@@ -83,12 +85,12 @@ def _sum(values):
 def read_bandwidth(n_cores: int, *, megabytes: int = 1024, n_rounds: int = 5) -> float:
     """Return bytes a second that sums over an array too large for the caches read, the best of some rounds."""
     parts = np.array_split(np.ones(megabytes * 131072), n_cores)
-    _sum(parts[0][:8])
+    sum_values(parts[0][:8])
     seconds = []
     with ThreadPoolExecutor(n_cores) as pool:
         for _ in range(n_rounds):
             start = time.perf_counter()
-            list(pool.map(_sum, parts))
+            list(pool.map(sum_values, parts))
             seconds.append(time.perf_counter() - start)
     return megabytes * 2**20 / min(seconds)
 

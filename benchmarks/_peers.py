@@ -62,22 +62,26 @@ def fit_by_curve_fit(channels: Array, frame_rate: float, frequency: float) -> Ar
     return np.column_stack([curve_fit(series, angles, channel)[0] for channel in channels.T])
 
 
-def frequency_by_fft(signals: Array, frame_rate: float, *, padding: int = 4, n_harmonics: int = 1) -> float:
-    """Return the peak of the summed power spectrum of some signals (n_frames, n_signals), in hertz, by a parabola.
+def frequency_by_fft(
+    signals: Array, frame_rate: float, *, padding: int = 4, parabola: bool = True, n_harmonics: int = 1
+) -> float:
+    """Return the peak of the summed power spectrum of some signals (n_frames, n_signals), in hertz.
 
     Parameters
     ----------
     padding : int
         The transform is so many times as long as the signals.
+    parabola : bool
+        Whether the top of a parabola through the peak and its neighbors is returned, or the peak's bin.
     n_harmonics : int
-        With more than 1 the peak of the sum over harmonics, each weighted equally.
+        With more than 1 the peak of the sum over harmonics, harmonic k with weight 1 / k.
     """
     length = next_fast_len(padding * len(signals), real=True)
     power = (np.abs(rfft((signals - signals.mean(axis=0)).T, length)) ** 2).sum(axis=0)  # (n_signals, bins) -> (bins,)
-    low, high = int(0.3 * length / frame_rate), int(2.5 * length / frame_rate) + 1
+    low, high = max(1, int(0.3 * length / frame_rate)), int(2.5 * length / frame_rate) + 1
     if n_harmonics > 1:
         bins = np.arange(low - 1, high + 1)
-        power = sum(power[np.minimum(k * bins, len(power) - 1)] for k in range(1, n_harmonics + 1))
+        power = sum(power[np.minimum(k * bins, len(power) - 1)] / k for k in range(1, n_harmonics + 1))
         low, high = 1, len(bins) - 1
         first = bins[0]
     else:
@@ -85,7 +89,8 @@ def frequency_by_fft(signals: Array, frame_rate: float, *, padding: int = 4, n_h
     best = low + int(np.argmax(power[low:high]))
     before, top, after = power[best - 1 : best + 2]
     bend = before - 2 * top + after
-    return float((first + best + (0.5 * (before - after) / bend if bend < 0 else 0.0)) * frame_rate / length)
+    beside = 0.5 * (before - after) / bend if parabola and bend < 0 else 0.0
+    return float((first + best + beside) * frame_rate / length)
 
 
 def refine_by_gauss_newton(

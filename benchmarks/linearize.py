@@ -19,12 +19,14 @@ from eigenwalker.motion.phase import find_stride
 
 _RATE = 120.0
 _OURS = "eigenwalker"
-_N_ROUNDS = 7
+_FDA = "scikit-fda to_basis"
+_READING = "sum of one large array"
+_N_ROUNDS = 9
 
 
 class _Walks(NamedTuple):
     channels: list[NDArray[np.float64]]
-    frequencies: NDArray[np.float64]
+    frequencies: list[float]
 
     @property
     def bytes_per_walk(self) -> float:
@@ -41,16 +43,15 @@ def main() -> None:
         print(_measure.describe_machine(("numpy", "scipy", "scikit-learn", "numba", "scikit-fda")))
         print("One core for every row: all pools limited to 1 thread by threadpoolctl.")
         megabytes = 256 if short else 1024
-        bandwidth = _measure.read_bandwidth(1, megabytes=megabytes)
-        both = _measure.read_bandwidth(2, megabytes=megabytes)
-        print(f"Read bandwidth: {bandwidth / 1e9:.1f} GB/s on one core, {both / 1e9:.1f} GB/s on two")
+        one, two = (_measure.read_bandwidth(n_cores, megabytes=megabytes) for n_cores in (1, 2))
+        print(f"Read bandwidth, best of 5: {one / 1e9:.1f} GB/s on one core, {two / 1e9:.1f} GB/s on two")
         walks = _make_walks(300 if short else 10_000)
         n_frames = [len(walk) for walk in walks.channels]
         print(
             f"Walks: {len(n_frames)}, {min(n_frames)} to {max(n_frames)} frames, 45 channels, float64, "
             f"{walks.bytes_per_walk * len(n_frames) / 1e9:.2f} GB"
         )
-        targets = _known_frequency(walks, bandwidth) + _unknown_frequency(walks)
+        targets = _known_frequency(walks, megabytes) + _unknown_frequency(walks)
     _measure.print_targets(targets)
 
 
@@ -61,7 +62,7 @@ def _make_walks(n_walks: int) -> _Walks:
     for frequency in frequencies:
         times = np.arange(random.integers(400, 801)) / _RATE
         channels.append(random_walk(random, random_coefficients(random), 2 * np.pi * frequency * times, 0.001))
-    return _Walks(channels, frequencies)
+    return _Walks(channels, frequencies.tolist())
 
 
 def _portions(walks: _Walks, n_walks: int, fit: Callable[[int], object]) -> Callable[[int], int]:
@@ -76,59 +77,66 @@ def _portions(walks: _Walks, n_walks: int, fit: Callable[[int], object]) -> Call
     return run
 
 
-def _known_frequency(walks: _Walks, bandwidth: float) -> list[tuple[str, str, bool | None]]:
+def _known_frequency(walks: _Walks, megabytes: int) -> list[tuple[str, str, bool | None]]:
     # How many walks a round: the slower, the fewer.
     peers = {
-        _OURS: (lambda *walk: fit_harmonics(*walk, 2), len(walks.channels)),
+        _OURS: (lambda *walk: fit_harmonics(*walk, 2), 2000),
         "numpy lstsq": (_peers.fit_by_lstsq, 1000),
         "numpy matmul, 5 x 5 normal equations": (_peers.fit_by_normal_equations, 2000),
         "scipy curve_fit a channel": (_peers.fit_by_curve_fit, 2),
     }
     missing = []
     try:
-        peers["scikit-fda to_basis"] = (_peers.make_fit_by_scikit_fda(), 40)
+        peers[_FDA] = (_peers.make_fit_by_scikit_fda(), 100)
     except Exception as error:  # whatever a peer's import raises is the reason its row gives
-        missing.append(["scikit-fda to_basis", f"did not import: {error}", "", "", "", "", ""])
+        missing.append([_FDA, f"did not import: {error}", *[""] * 5])
 
     def fitted(fit: Callable, position: int) -> NDArray[np.float64]:
         return fit(walks.channels[position], _RATE, walks.frequencies[position])
 
-    seconds = _measure.interleaved(
-        {name: _portions(walks, count, lambda at, fit=fit: fitted(fit, at)) for name, (fit, count) in peers.items()},
-        _N_ROUNDS,
-    )
-    rows, ratios, errors = [], {}, {}
+    functions = {
+        name: _portions(walks, count, lambda at, fit=fit: fitted(fit, at)) for name, (fit, count) in peers.items()
+    }
+    seconds = _measure.interleaved(functions | {_READING: _reading(walks, megabytes)}, _N_ROUNDS)
+    ratios = {name: _measure.ratio(seconds, name, _OURS) for name in seconds}
+    shares = {name: 1 / _measure.ratio(seconds, name, _READING) for name in seconds}
+    rows, errors = [], {}
     for name, (fit, count) in peers.items():
         checked = range(min(count, 200, len(walks.channels)))
         errors[name] = max(np.abs(fitted(fit, at) - fitted(_peers.fit_by_lstsq, at)).max() for at in checked)
-        ratios[name] = _measure.ratio(seconds, name, _OURS)
-        median = float(np.median(seconds[name]))
-        read = walks.bytes_per_walk / median
-        rows.append(
-            [
-                name,
-                str(min(count, len(walks.channels))),
-                f"{median * 1e6:.1f}",
-                f"{read / 1e9:.2f}",
-                f"{read / bandwidth:.1%}",
-                f"{ratios[name]:.1f}",
-                f"{errors[name]:.1e}",
-            ]
-        )
+        n_walks = str(min(count, len(walks.channels)))
+        rows.append(_row(name, n_walks, walks, seconds, shares, ratios) + [f"{errors[name]:.1e}"])
+    rows.append([*_row(_READING, "", walks, seconds, shares, ratios), ""])
     _measure.print_table(
         f"Known frequency, 2 harmonics, median of {_N_ROUNDS} rounds",
         ["", "walks a round", "µs a walk", "GB/s", "of bandwidth", "time / ours", "most off lstsq, m"],
         rows + missing,
     )
     print("curve_fit: on so few walks that its time for all of them is an extrapolation.")
-    share = walks.bytes_per_walk / float(np.median(seconds[_OURS])) / bandwidth
-    fda = ratios.get("scikit-fda to_basis")
+    fda = ratios.get(_FDA)
     return [
         ("at least 8 times as fast as lstsq", f"{ratios['numpy lstsq']:.1f}", ratios["numpy lstsq"] >= 8),
-        ("at least 20 times as fast as scikit-fda", f"{fda or 0:.1f}", fda and fda >= 20),
-        ("at least 45 % of one core's read bandwidth", f"{share:.1%}", share >= 0.45),
+        ("at least 20 times as fast as scikit-fda", f"{fda or 0:.1f}", None if fda is None else fda >= 20),
+        ("at least 45 % of one core's read bandwidth", f"{shares[_OURS]:.1%}", shares[_OURS] >= 0.45),
         ("within 1e-9 m of lstsq", f"{errors[_OURS]:.1e}", errors[_OURS] <= 1e-9),
     ]
+
+
+def _reading(walks: _Walks, megabytes: int) -> Callable[[int], float]:
+    """Return a function for `interleaved` that reads as many bytes as so many walks have, and does nothing else."""
+    large = np.ones(megabytes * 131072)
+
+    def run(turn: int) -> float:
+        _measure.sum_values(large)
+        return large.nbytes / walks.bytes_per_walk
+
+    return run
+
+
+def _row(name: str, n_walks: str, walks: _Walks, seconds: dict, shares: dict, ratios: dict) -> list[str]:
+    median = float(np.median(seconds[name]))
+    read = walks.bytes_per_walk / median / 1e9
+    return [name, n_walks, f"{median * 1e6:.1f}", f"{read:.2f}", f"{shares[name]:.1%}", f"{ratios[name]:.1f}"]
 
 
 def _unknown_frequency(walks: _Walks) -> list[tuple[str, str, bool | None]]:
@@ -160,7 +168,7 @@ def _unknown_frequency(walks: _Walks) -> list[tuple[str, str, bool | None]]:
         {name: _portions(walks, count, run) for name, (run, count) in functions.items()}, _N_ROUNDS
     )
     checked = range(min(300, len(walks.channels)))
-    truth = walks.frequencies[checked]
+    truth = np.array([walks.frequencies[at] for at in checked])
     mine = np.array([ours(at) for at in checked])
     rows, ratios = [], {}
     for name, (run, count) in functions.items():

@@ -20,20 +20,23 @@ _ONE_THREAD = 262_144
 def _fill_basis(basis, time, omega, n_harmonics):
     """Write the basis functions of the frames from `time` on into rows of `basis`, shape (n_functions, n_frames).
 
-    If it has more than 2 K + 1 rows, time times the waves follows. Sine and cosine go on by recurrence from exact
-    values in the first frame.
+    If it has more than 2 K + 1 rows, time times the waves follows. Each round of the first loop doubles the frames
+    whose sine and cosine are known, by turning them on.
     """
     n_functions, n_frames = basis.shape
-    step_cosine, step_sine = np.cos(omega), np.sin(omega)
-    cosine, sine = np.cos(omega * time), np.sin(omega * time)
-    for frame in range(n_frames):
-        basis[0, frame], basis[1, frame], basis[2, frame] = 1.0, sine, cosine
-        cosine, sine = cosine * step_cosine - sine * step_sine, sine * step_cosine + cosine * step_sine
+    basis[0, 0], basis[1, 0], basis[2, 0] = 1.0, np.sin(omega * time), np.cos(omega * time)
+    known = 1
+    while known < n_frames:
+        sine, cosine = np.sin(omega * known), np.cos(omega * known)
+        for frame in range(known, min(2 * known, n_frames)):
+            basis[0, frame] = 1.0
+            basis[1, frame] = basis[1, frame - known] * cosine + basis[2, frame - known] * sine
+            basis[2, frame] = basis[2, frame - known] * cosine - basis[1, frame - known] * sine
+        known *= 2
     for k in range(3, 2 * n_harmonics + 1, 2):
         for frame in range(n_frames):
-            sine, cosine = basis[1, frame], basis[2, frame]
-            basis[k, frame] = basis[k - 2, frame] * cosine + basis[k - 1, frame] * sine
-            basis[k + 1, frame] = basis[k - 1, frame] * cosine - basis[k - 2, frame] * sine
+            basis[k, frame] = basis[k - 2, frame] * basis[2, frame] + basis[k - 1, frame] * basis[1, frame]
+            basis[k + 1, frame] = basis[k - 1, frame] * basis[2, frame] - basis[k - 2, frame] * basis[1, frame]
     for row in range(2 * n_harmonics + 1, n_functions):
         for frame in range(n_frames):
             basis[row, frame] = (time + frame) * basis[row - 2 * n_harmonics, frame]
@@ -71,12 +74,12 @@ def _time_sums(n_frames, omega, highest):
     sums[2, 0] = n_frames * (n_frames * n_frames - 1.0) / 12.0
     for m in range(1, highest + 1):
         half = 0.5 * m * omega
-        tangent = np.tan(half)
-        level = np.sin(n_frames * half) / np.sin(half)
-        slope = 0.5 * (n_frames * np.cos(n_frames * half) / np.sin(half) - level / tangent)
+        sine, cosine = np.sin(half), np.cos(half)
+        level = np.sin(n_frames * half) / sine
+        slope = 0.5 * (n_frames * np.cos(n_frames * half) - level * cosine) / sine
         sums[0, m] = level
         sums[1, m] = -slope
-        sums[2, m] = 0.25 * (n_frames * n_frames - 1.0) * level + slope / tangent
+        sums[2, m] = 0.25 * (n_frames * n_frames - 1.0) * level + slope * cosine / sine
     return sums
 
 
@@ -279,7 +282,7 @@ def refine(channels, omega, n_harmonics, ratio, precision, max_iter):
         if curvature <= 0.0:
             break
         step = min(max(slope / (ratio * curvature), -longest), longest)
-        noise = max(total - power, 0.0) / (n_frames * n_channels)
+        noise = max(total * (1.0 - 1e-13) - power, 0.0) / (n_frames * n_channels)  # less what rounding may leave
         smallest = max(precision * np.sqrt(noise / curvature), 4e-16 * best)
         if abs(step) * (doubt + abs(step) / longest) <= smallest:
             best += step

@@ -26,10 +26,10 @@ __all__ = [
 SEARCH_HARMONICS = 4
 FREQUENCY_RANGE = (0.3, 2.5)
 _MAX_STEPS = 50
-_COARSE_RATE = 25.0  # frames per second that suffice for the first guess
-_TRIALS = 60  # least number of frequencies tried for it
-_TRIALS_PER_CYCLE = 6  # and least number from one more cycle in the signal to the next
-_FRAMES_PER_WAVE = 6  # of the highest harmonic that suffice for all but the last steps of the search
+_TRIALS = 48  # least number of frequencies tried for it
+_TRIALS_PER_CYCLE = 4  # and least number from one more cycle in the signal to the next
+_FRAMES_PER_WAVE = 6  # that suffice for the first guess, and of the highest harmonic for the first steps from it
+_FEW_FRAMES = 50  # of which no blocks are made
 _WEAK = 0.2  # share of the reference below which its best sine is no period
 
 
@@ -250,8 +250,8 @@ def estimate_frequency(
     >>> round(estimate_frequency(wave, 100, start=0.95), 9)
     0.93
     """
-    carried = min(n_harmonics, int(0.45 * frame_rate / start), (len(channels) - 2) // 3)
-    _check_sampling(len(channels), frame_rate, start, max(carried, 1))
+    carried = max(1, min(n_harmonics, int(0.45 * frame_rate / start), (len(channels) - 2) // 3))
+    _check_sampling(len(channels), frame_rate, start, carried)
     omega, ratio = 2 * np.pi * start / frame_rate, 1.0
     block = int(frame_rate / (_FRAMES_PER_WAVE * carried * start))
     channels = _as_compiled(channels)
@@ -259,7 +259,7 @@ def estimate_frequency(
         means = _as_compiled(block_means(channels, block))
         omega, ratio = refine(means, omega * block, carried, ratio, 0.01, _MAX_STEPS)
         omega /= block
-    omega, _ = refine(channels, omega, carried, ratio, 1e-3, _MAX_STEPS)
+    omega, _ = refine(channels, omega, carried, ratio, 1e-5, _MAX_STEPS)
     return float(omega * frame_rate / (2 * np.pi))
 
 
@@ -298,7 +298,7 @@ def coarse_frequency(
         If the signal is shorter than one stride or has no period in the range.
     """
     check_frame_rate(frame_rate)
-    block = max(1, int(frame_rate / _COARSE_RATE))
+    block = max(1, min(int(frame_rate / (_FRAMES_PER_WAVE * frequency_range[1])), len(reference) // _FEW_FRAMES))
     signal = block_means(_as_compiled(np.reshape(reference, (-1, 1))), block).ravel()
     rate = frame_rate / block
     duration = len(signal) / rate
@@ -309,7 +309,7 @@ def coarse_frequency(
             f"no frequency between {frequency_range[0]:g} and {frequency_range[1]:g} Hz fits into that"
         )
     n_trials = max(_TRIALS, int((high - low) * duration * _TRIALS_PER_CYCLE))
-    frequencies = np.linspace(low, high, n_trials)
+    frequencies = low + (high - low) / (n_trials - 1) * np.arange(n_trials)
     shares = line_and_wave_shares(signal, 2 * np.pi * frequencies / rate)
     best = int(np.argmax(shares))
     if shares[best] < _WEAK or best in (0, len(shares) - 1):

@@ -88,10 +88,10 @@ def find_stride(
     name: str = "",
 ) -> float:
     """Return the stride frequency in hertz, from channels (n_frames, n_channels) and the weights of `phase_weights`."""
-    used = np.flatnonzero(weights)
+    used = weights.nonzero()[0]
     picked = channels[:, used]
     reference = picked @ weights[used]
-    if np.ptp(reference) <= _DUST * np.abs(weights).sum() * np.abs(picked).max(initial=0.0):
+    if reference.max() - reference.min() <= _DUST * np.abs(weights[used]) @ np.abs(picked).max(axis=0):
         raise WalkError(
             f"walk {name!r}: the phase reference is too weak to carry a phase, it does not move at all; "
             "are left and right markers different, or is another phase_reference needed?"

@@ -13,7 +13,7 @@ from eigenwalker._collect import collect, report_refusals
 from eigenwalker._validation import WalkError, check_choice, check_finite, check_walks
 from eigenwalker.motion.body import check_leg_length, stature
 from eigenwalker.motion.fourier import FREQUENCY_RANGE, coarse_frequency, estimate_frequency
-from eigenwalker.motion.path import fit_path, longest_run, stance_speed, steady_stretch, swing_direction
+from eigenwalker.motion.path import Path, fit_path, longest_run, stance_speed, steady_stretch, swing_direction
 from eigenwalker.motion.walk import JointWalk, Walk
 
 __all__ = ["WalkPreparer", "mirror_walk", "prepare", "prepare_walks"]
@@ -85,19 +85,21 @@ def prepare(
     check_choice(clip, ("steady", "whole"), name="clip")
     check_choice(heading, ("path", "body", None), name="heading")
     walk = _without_leaps(_as_markers(walk))
-    travels = _travels(walk)
-    if heading is not None:
-        walk = _turn(walk, _direction(walk, heading, travels))
-    if travels and clip == "steady":
-        walk = _steady_part(walk, frequency_range)
-    if travels and heading == "path":
-        walk = _turn(walk, _path_direction(walk, frequency_range))
-    if travels and treadmill:
-        walk = _onto_treadmill(walk, frequency_range)
+    direction = _first_direction(walk)
+    if _travels(walk):
+        if clip == "steady":
+            walk = _steady_part(walk, direction, frequency_range)
+        path = _smooth_path(walk, direction, frequency_range)
+        direction = path.velocity
+        if treadmill:
+            walk = _without_path(walk, path)
     else:
-        _guess_frequency(walk, frequency_range)  # refuses a walk without a period
-        if not travels and np.isnan(walk.speed):
-            walk = replace(walk, speed=_belt_speed(walk))
+        _guess_frequency(walk, direction, frequency_range)  # refuses a walk without a period
+        if np.isnan(walk.speed):
+            ankles = (_floor(walk, f"{side}_ankle") @ direction for side in ("left", "right"))
+            walk = replace(walk, speed=stance_speed(*ankles, walk.frame_rate))
+    if heading is not None:
+        walk = _turn(walk, _facing(walk) if heading == "body" else direction)
     return _to_unit_stature(walk) if normalize_size else walk
 
 
@@ -148,19 +150,21 @@ def _travels(walk: Walk) -> bool:
     return bool(np.hypot(*velocity) > _TRAVEL_SPEED)
 
 
-def _direction(walk: Walk, heading: str, travels: bool) -> NDArray[np.float64]:
-    leftward = (_floor(walk, "left_hip") - _floor(walk, "right_hip")).mean(axis=0)
-    if heading == "body":
-        return np.array([leftward[1], -leftward[0]])
-    if travels:
-        pelvis = _floor(walk, "pelvis")
-        return np.asarray(pelvis[-1] - pelvis[0], dtype=np.float64)
-    return swing_direction(_floor(walk, "left_ankle") - _floor(walk, "right_ankle"), leftward)
+def _leftward(walk: Walk) -> NDArray[np.float64]:
+    return (_floor(walk, "left_hip") - _floor(walk, "right_hip")).mean(axis=0)
 
 
-def _path_direction(walk: Walk, frequency_range: tuple[float, float]) -> NDArray[np.float64]:
-    frequency = _guess_frequency(walk, frequency_range)
-    return fit_path(_floor(walk, "pelvis"), walk.frame_rate, frequency).velocity
+def _facing(walk: Walk) -> NDArray[np.float64]:
+    leftward = _leftward(walk)
+    return np.array([leftward[1], -leftward[0]])
+
+
+def _first_direction(walk: Walk) -> NDArray[np.float64]:
+    """Return the unit vector over the floor from start to end, or along which the legs swing in place."""
+    if not _travels(walk):
+        return swing_direction(_floor(walk, "left_ankle") - _floor(walk, "right_ankle"), _leftward(walk))
+    pelvis = _floor(walk, "pelvis")
+    return (pelvis[-1] - pelvis[0]) / np.hypot(*(pelvis[-1] - pelvis[0]))
 
 
 def _turn(walk: Walk, direction: NDArray[np.float64]) -> Walk:
@@ -170,13 +174,13 @@ def _turn(walk: Walk, direction: NDArray[np.float64]) -> Walk:
     return replace(walk, positions=walk.positions @ rotation.T)
 
 
-def _guess_frequency(walk: Walk, frequency_range: tuple[float, float]) -> float:
-    difference = walk.marker("left_ankle")[:, 0] - walk.marker("right_ankle")[:, 0]
+def _guess_frequency(walk: Walk, direction: NDArray[np.float64], frequency_range: tuple[float, float]) -> float:
+    difference = (_floor(walk, "left_ankle") - _floor(walk, "right_ankle")) @ direction
     return coarse_frequency(difference, walk.frame_rate, frequency_range=frequency_range, name=walk.name)
 
 
-def _steady_part(walk: Walk, frequency_range: tuple[float, float]) -> Walk:
-    frequency = _guess_frequency(walk, frequency_range)
+def _steady_part(walk: Walk, direction: NDArray[np.float64], frequency_range: tuple[float, float]) -> Walk:
+    frequency = _guess_frequency(walk, direction, frequency_range)
     pelvis = _floor(walk, "pelvis")
     for tolerance in np.arange(0.2, 1.0, 0.1):
         frames = steady_stretch(pelvis, walk.frame_rate, frequency, tolerance=tolerance)
@@ -185,26 +189,27 @@ def _steady_part(walk: Walk, frequency_range: tuple[float, float]) -> Walk:
     return walk
 
 
-def _onto_treadmill(walk: Walk, frequency_range: tuple[float, float]) -> Walk:
-    """Take the path of the pelvis out of all markers.
+def _smooth_path(walk: Walk, direction: NDArray[np.float64], frequency_range: tuple[float, float]) -> Path:
+    """Return the path of the pelvis.
 
-    The path is fitted together with harmonics of a frequency that is found in the walk without its path; the two
-    are repeated until they agree.
+    It is fitted together with harmonics of a frequency that is found in the walk without its path; the two are
+    repeated until they agree.
     """
-    frequency, before = _guess_frequency(walk, frequency_range), 0.0
+    frequency, before = _guess_frequency(walk, direction, frequency_range), 0.0
+    path = fit_path(_floor(walk, "pelvis"), walk.frame_rate, frequency)
     for _ in range(_MAX_ROUNDS):
-        if abs(frequency - before) < 1e-9 * frequency:
+        if abs(frequency - before) <= 1e-9 * frequency:
             break
+        channels = _without_path(walk, path).channels
+        frequency, before = estimate_frequency(channels, walk.frame_rate, start=frequency), frequency
         path = fit_path(_floor(walk, "pelvis"), walk.frame_rate, frequency)
-        positions = walk.positions.copy()
-        positions[:, :, :2] -= path.points[:, np.newaxis]
-        matrix = positions.reshape(len(positions), -1)  # (n_frames, n_markers, 3) -> (n_frames, 3 n_markers)
-        frequency, before = estimate_frequency(matrix, walk.frame_rate, start=frequency), frequency
+    return path
+
+
+def _without_path(walk: Walk, path: Path) -> Walk:
+    """Take the path out of all markers; its mean velocity is the speed of the belt."""
+    positions = walk.positions - np.pad(path.points, ((0, 0), (0, 1)))[:, np.newaxis]
     return replace(walk, positions=positions, speed=float(np.hypot(*path.velocity)))
-
-
-def _belt_speed(walk: Walk) -> float:
-    return stance_speed(walk.marker("left_ankle")[:, 0], walk.marker("right_ankle")[:, 0], walk.frame_rate)
 
 
 def _to_unit_stature(walk: Walk) -> Walk:
