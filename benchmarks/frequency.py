@@ -47,7 +47,7 @@ def _bound_table(n_trials: int) -> tuple[str, str, bool]:
     rows, ratios = [], []
     for cell, (n_cycles, noise) in enumerate((n, noise) for noise in _NOISES for n in _N_CYCLES):
         seeds = [[cell, trial] for trial in range(n_trials)]
-        errors = _in_parallel(_bound_trial, seeds, n_cycles, noise)  # (n_trials, 3), in bounds; (n_trials,) the bound
+        errors = _in_parallel(_bound_trial, seeds, n_cycles, noise)  # (n_trials, 4): three errors, the bound
         in_bounds = np.sqrt((errors[:, :3] ** 2).mean(axis=0))
         ratios.append(in_bounds[0])
         rows.append(
@@ -61,7 +61,7 @@ def _bound_table(n_trials: int) -> tuple[str, str, bool]:
             ]
         )
     _measure.print_table(
-        f"Root mean square error over the Cramer-Rao bound, 45 channels at {_RATE:g} Hz, 4 harmonics, {n_trials} trials",
+        f"Root mean square error over the Cramer-Rao bound, 45 channels at {_RATE:g} Hz, {n_trials} trials a cell",
         ["", "bound, Hz", "eigenwalker", "FFT bin", "padded FFT, parabola", "eigenwalker's largest"],
         rows,
     )
@@ -103,16 +103,14 @@ def _cramer_rao_bound(coefficients: NDArray[np.float64], angles: NDArray[np.floa
 
 
 def _octave_table(n_walks: int) -> tuple[str, str, bool]:
-    rows = _in_parallel(_irregular_trial, [[99, trial] for trial in range(n_walks)])  # cycles, truth, ours, padded FFT
+    rows = _in_parallel(_irregular_trial, [[99, trial] for trial in range(n_walks)])
     n_cycles, truth = rows[:, 0], rows[:, 1]
+    short, middle = n_cycles < 3, (n_cycles >= 3) & (n_cycles < 6)
     table, counts = [], {}
     for column, name in ((2, "eigenwalker"), (3, "padded FFT of left minus right"), (4, "padded FFT of all channels")):
         errors = np.abs(rows[:, column] / truth - 1)
         counts[name] = int((~(errors <= _OCTAVE)).sum())
-        worst = [
-            f"{np.nanmax(errors[few], initial=0):.1%}"
-            for few in (n_cycles < 3, (3 <= n_cycles) & (n_cycles < 6), n_cycles >= 6)
-        ]
+        worst = [f"{np.nanmax(errors[few], initial=0):.1%}" for few in (short, middle, n_cycles >= 6)]
         table.append([name, str(counts[name]), str(int(np.isnan(errors).sum())), f"{np.nanmedian(errors):.2%}", *worst])
     _measure.print_table(
         f"{n_walks} irregular walks, 5 mm noise, 2 to 12 cycles at 30 to 120 Hz, against the mean frequency",

@@ -21,7 +21,6 @@ _RATE = 120.0
 _OURS = "eigenwalker"
 _FDA = "scikit-fda to_basis"
 _READING = "sum of one large array"
-_N_ROUNDS = 9
 
 
 class _Walks(NamedTuple):
@@ -51,7 +50,8 @@ def main() -> None:
             f"Walks: {len(n_frames)}, {min(n_frames)} to {max(n_frames)} frames, 45 channels, float64, "
             f"{walks.bytes_per_walk * len(n_frames) / 1e9:.2f} GB"
         )
-        targets = _known_frequency(walks, megabytes) + _unknown_frequency(walks)
+        n_rounds = 3 if short else 9
+        targets = _known_frequency(walks, megabytes, n_rounds) + _unknown_frequency(walks, n_rounds)
     _measure.print_targets(targets)
 
 
@@ -77,7 +77,7 @@ def _portions(walks: _Walks, n_walks: int, fit: Callable[[int], object]) -> Call
     return run
 
 
-def _known_frequency(walks: _Walks, megabytes: int) -> list[tuple[str, str, bool | None]]:
+def _known_frequency(walks: _Walks, megabytes: int, n_rounds: int) -> list[tuple[str, str, bool | None]]:
     # How many walks a round: the slower, the fewer.
     peers = {
         _OURS: (lambda *walk: fit_harmonics(*walk, 2), 2000),
@@ -97,7 +97,7 @@ def _known_frequency(walks: _Walks, megabytes: int) -> list[tuple[str, str, bool
     functions = {
         name: _portions(walks, count, lambda at, fit=fit: fitted(fit, at)) for name, (fit, count) in peers.items()
     }
-    seconds = _measure.interleaved(functions | {_READING: _reading(walks, megabytes)}, _N_ROUNDS)
+    seconds = _measure.interleaved(functions | {_READING: _reading(walks, megabytes)}, n_rounds)
     ratios = {name: _measure.ratio(seconds, name, _OURS) for name in seconds}
     shares = {name: 1 / _measure.ratio(seconds, name, _READING) for name in seconds}
     rows, errors = [], {}
@@ -105,10 +105,10 @@ def _known_frequency(walks: _Walks, megabytes: int) -> list[tuple[str, str, bool
         checked = range(min(count, 200, len(walks.channels)))
         errors[name] = max(np.abs(fitted(fit, at) - fitted(_peers.fit_by_lstsq, at)).max() for at in checked)
         n_walks = str(min(count, len(walks.channels)))
-        rows.append(_row(name, n_walks, walks, seconds, shares, ratios) + [f"{errors[name]:.1e}"])
+        rows.append([*_row(name, n_walks, walks, seconds, shares, ratios), f"{errors[name]:.1e}"])
     rows.append([*_row(_READING, "", walks, seconds, shares, ratios), ""])
     _measure.print_table(
-        f"Known frequency, 2 harmonics, median of {_N_ROUNDS} rounds",
+        f"Known frequency, 2 harmonics, median of {n_rounds} rounds",
         ["", "walks a round", "µs a walk", "GB/s", "of bandwidth", "time / ours", "most off lstsq, m"],
         rows + missing,
     )
@@ -139,7 +139,7 @@ def _row(name: str, n_walks: str, walks: _Walks, seconds: dict, shares: dict, ra
     return [name, n_walks, f"{median * 1e6:.1f}", f"{read:.2f}", f"{shares[name]:.1%}", f"{ratios[name]:.1f}"]
 
 
-def _unknown_frequency(walks: _Walks) -> list[tuple[str, str, bool | None]]:
+def _unknown_frequency(walks: _Walks, n_rounds: int) -> list[tuple[str, str, bool | None]]:
     def ours(at: int) -> float:
         channels = walks.channels[at]
         frequency = find_stride(channels, _RATE, ANKLES)
@@ -161,11 +161,11 @@ def _unknown_frequency(walks: _Walks) -> list[tuple[str, str, bool | None]]:
     slow = "FFT of all channels, Gauss-Newton"
     functions = {
         _OURS: (ours, 2000),
-        slow: (all_channels, 300),
-        "FFT of left minus right, Gauss-Newton": (reference_only, 300),
+        slow: (all_channels, 100),
+        "FFT of left minus right, Gauss-Newton": (reference_only, 100),
     }
     seconds = _measure.interleaved(
-        {name: _portions(walks, count, run) for name, (run, count) in functions.items()}, _N_ROUNDS
+        {name: _portions(walks, count, run) for name, (run, count) in functions.items()}, n_rounds
     )
     checked = range(min(300, len(walks.channels)))
     truth = np.array([walks.frequencies[at] for at in checked])
@@ -186,7 +186,7 @@ def _unknown_frequency(walks: _Walks) -> list[tuple[str, str, bool | None]]:
             ]
         )
     _measure.print_table(
-        f"Unknown frequency: found with 4 harmonics, then 2 fitted; median of {_N_ROUNDS} rounds",
+        f"Unknown frequency: found with 4 harmonics, then 2 fitted; median of {n_rounds} rounds",
         ["", "walks a round", "µs a walk", "time / ours", "rms error, Hz", "largest", "most off ours, Hz"],
         rows,
     )

@@ -6,7 +6,7 @@ every step inverts, so that a position on a trait axis becomes a walk again.
 
 from eigenwalker._validation import WalkError
 from eigenwalker.datasets import make_walkers
-from eigenwalker.io import read_walk, read_walks
+from eigenwalker.io import read_walk, read_walks, write_walk
 from eigenwalker.model import (
     BlockScaler,
     FourierLinearizer,
@@ -41,4 +41,5 @@ __all__ = [
     "walk_along_axis",
     "walk_at",
     "walk_quality",
+    "write_walk",
 ]

@@ -1,5 +1,6 @@
 """Checks that every part of the package shares: shapes, rates, finiteness, names and choices."""
 
+import math
 from collections.abc import Collection, Iterable, Sequence
 
 import numpy as np
@@ -66,7 +67,7 @@ def check_frame_rate(frame_rate: float) -> float:
         rate = float(frame_rate)
     except (TypeError, ValueError):
         raise TypeError(f"frame_rate must be a number of frames per second, got {frame_rate!r}") from None
-    if not (np.isfinite(rate) and rate > 0):
+    if not 0 < rate < math.inf:
         raise ValueError(f"frame_rate must be positive and finite, in frames per second, got {frame_rate!r}")
     return rate
 

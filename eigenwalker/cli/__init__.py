@@ -32,7 +32,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         warnings.showwarning = _print_warning
         try:
             options.run(options)
-        except (ValueError, OSError, ImportError) as error:
+        except (ValueError, TypeError, OSError, ImportError) as error:
             print(f"eigenwalker {options.command}: error: {error}", file=sys.stderr)
             return 1
     return 0

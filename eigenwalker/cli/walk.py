@@ -6,10 +6,11 @@ from pathlib import Path
 from eigenwalker._collect import report_refusals
 from eigenwalker.cli._recordings import add_reading_arguments, load, reading_options
 from eigenwalker.display.plotting import StickFigureDisplay
-from eigenwalker.io.table import write_csv
+from eigenwalker.io.formats import WRITERS, find_ending, write_walk
 from eigenwalker.model.eigenwalkers import walk_at
-from eigenwalker.motion.walk import JointWalk, Walk
 from eigenwalker.persistence import load_model
+
+_PICTURE = ".png"
 
 HELP = "make a walk with a given position on trait axes"
 DESCRIPTION = "Make the walk with the given alpha on trait axes, from the average walker or from a recording."
@@ -22,14 +23,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--alpha", required=True, action="append", metavar="TRAIT=VALUE", help="position on an axis; may be repeated"
     )
     parser.add_argument("--base", type=Path, metavar="FILE", help="recording to change, instead of the average walker")
-    parser.add_argument("--out", required=True, type=Path, metavar="FILE", help="walk.csv, or walk.png for a picture")
+    endings = ", ".join(f"walk{ending}" for ending in sorted(WRITERS))
+    parser.add_argument(
+        "--out", required=True, type=Path, metavar="FILE", help=f"{endings}, or walk{_PICTURE} for a picture"
+    )
     add_reading_arguments(parser)
 
 
 def run(options: argparse.Namespace) -> None:
     """Make the walk and write it."""
-    if options.out.suffix.lower() not in _WRITERS:
-        raise ValueError(f"--out must end in {' or '.join(_WRITERS)}, got {options.out.name}")
+    is_picture = options.out.suffix.lower() == _PICTURE
+    if not is_picture and find_ending(options.out, WRITERS) is None:
+        raise ValueError(f"--out must end in {', '.join(sorted(WRITERS))} or {_PICTURE}, got {options.out.name}")
     alphas = dict(_parse_alpha(text) for text in options.alpha)
     model = load_model(options.model)
     base = None
@@ -37,7 +42,10 @@ def run(options: argparse.Namespace) -> None:
         (base,), refusals = load([options.base], reading=reading_options(options))
         report_refusals(refusals, 1, on_error="raise")
     walk = walk_at(model, alphas, base)
-    _WRITERS[options.out.suffix.lower()](walk, options.out)
+    if is_picture:
+        StickFigureDisplay.from_walks([walk]).figure_.savefig(options.out, dpi=150)
+    else:
+        write_walk(walk, options.out)
     print(f"wrote {options.out}: {walk.name}, {walk.n_frames} frames at {walk.frame_rate:g} a second")
 
 
@@ -49,10 +57,3 @@ def _parse_alpha(text: str) -> tuple[str, float]:
     except ValueError:
         pass
     raise ValueError(f"--alpha must be TRAIT=NUMBER, such as gender=2, got {text!r}")
-
-
-def _write_picture(walk: Walk | JointWalk, path: Path) -> None:
-    StickFigureDisplay.from_walks([walk]).figure_.savefig(path, dpi=150)
-
-
-_WRITERS = {".csv": write_csv, ".png": _write_picture}

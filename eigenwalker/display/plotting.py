@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from eigenwalker._validation import check_walks
 from eigenwalker.motion.fourier import evaluate_harmonics, fit_harmonics, reference_phase, shift_phase
 from eigenwalker.motion.phase import phase_weights, stride_frequency
+from eigenwalker.motion.skeleton import MarkerSet
 from eigenwalker.motion.walk import JointWalk, Walk
 
 if TYPE_CHECKING:
@@ -145,10 +146,10 @@ class StickFigureDisplay:
         height = 1.1 * max(picture[..., 1].max() for picture in seen)
         for row, (walk, picture) in enumerate(zip(self.walks, seen, strict=True)):
             floor = -row * height
-            middle = picture[..., 0].mean()
-            for column in range(self.n_phases):
-                offset = np.array([column * width - middle, floor])
-                _draw_figure(ax, walk, picture[column], offset)
+            offsets = np.column_stack(
+                (np.arange(self.n_phases) * width - picture[..., 0].mean(), np.full(self.n_phases, floor))
+            )
+            _draw_figures(ax, walk.marker_set, picture, offsets)
             ax.plot([-0.5 * width, (self.n_phases - 0.5) * width], [floor, floor], color="0.8", lw=0.8, zorder=0)
             ax.text(-0.48 * width, floor - 0.02 * height, walk.name, ha="left", va="top")
         ax.set_aspect("equal", anchor="N")
@@ -172,18 +173,20 @@ def _postures(walk: Walk, n_phases: int) -> NDArray[np.float64]:
     return channels.reshape(n_phases, -1, 3)  # (n_phases, 3 n_markers) -> (n_phases, n_markers, 3)
 
 
-def _draw_figure(ax: Axes, walk: Walk, picture: NDArray[np.float64], offset: NDArray[np.float64]) -> None:
-    """Draw one posture: sticks that are nearer to the observer darker and on top, dots for the markers."""
-    points = picture[:, :2] + offset
-    nearness = picture[:, 2] - picture[:, 2].mean()
-    reach = max(float(np.abs(nearness).max()), 1e-9)
-    for first, second in walk.marker_set.sticks:
-        ends = [walk.marker_set.index(first), walk.marker_set.index(second)]
-        near = float(nearness[ends].mean()) / reach
-        ax.plot(
-            *points[ends].T, color=str(round(0.4 - 0.35 * near, 3)), lw=1.6, solid_capstyle="round", zorder=2 + near
-        )
-    ax.scatter(points[:, 0], points[:, 1], s=7, color="black", zorder=4, linewidths=0)
-    if "head" in walk.marker_set.names:
-        head = points[walk.marker_set.index("head")]
-        ax.scatter(head[0], head[1], s=60, color="black", zorder=4, linewidths=0)
+def _draw_figures(ax: Axes, markers: MarkerSet, picture: NDArray[np.float64], offsets: NDArray[np.float64]) -> None:
+    """Draw all postures of a walk: sticks that are nearer to the observer darker and on top, dots for the markers."""
+    from matplotlib.collections import LineCollection
+
+    points = picture[..., :2] + offsets[:, np.newaxis]  # (n_phases, n_markers, 2)
+    ends = np.array([[markers.index(first), markers.index(second)] for first, second in markers.sticks], dtype=int)
+    if len(ends):
+        depth = picture[..., 2] - picture[..., 2].mean(axis=1, keepdims=True)
+        near = (depth[:, ends].mean(axis=2) / max(float(np.abs(depth).max()), 1e-9)).ravel()  # (n_phases n_sticks,)
+        order = np.argsort(near, kind="stable")
+        segments = points[:, ends].reshape(-1, 2, 2)[order]  # (n_phases, n_sticks, 2, 2) -> (n_phases n_sticks, 2, 2)
+        grays = [str(round(gray, 3)) for gray in 0.4 - 0.35 * near[order]]
+        ax.add_collection(LineCollection(list(segments), colors=grays, linewidths=1.6, capstyle="round", zorder=2))
+    ax.scatter(points[..., 0].ravel(), points[..., 1].ravel(), s=7, color="black", zorder=4, linewidths=0)
+    if "head" in markers.names:
+        head = points[:, markers.index("head")]
+        ax.scatter(head[:, 0], head[:, 1], s=60, color="black", zorder=4, linewidths=0)

@@ -9,15 +9,15 @@ from numpy.typing import NDArray
 
 from eigenwalker._validation import WalkError
 from eigenwalker.io._bvh_text import BvhText, parse_bvh
-from eigenwalker.io._units import check_up, meters_per_unit, to_package_axes
-from eigenwalker.motion.body import check_leg_length
+from eigenwalker.io._units import check_body, check_up, meters_per_unit, to_package_axes, to_package_order
 from eigenwalker.motion.rotations import rotvec_from_euler, unroll_rotvec
-from eigenwalker.motion.skeleton import Skeleton, find_rig
+from eigenwalker.motion.skeleton import Skeleton
 from eigenwalker.motion.walk import JointWalk
 
 __all__ = ["read_bvh"]
 
 _STILL = 1e-6  # a joint moves if its position channels range over more than this, in metres
+_SHORT = 12  # characters of a frame rate that a person chose
 _WHOLE = 1e-4  # a frame rate this near to a whole number is that number, printed with few digits
 
 
@@ -68,7 +68,7 @@ def read_bvh(
     A joint may have any of the six channels in any order. Its rotation is the product of its rotation
     channels from left to right, as in `rotvec_from_euler`. Its position channels *replace* its OFFSET, they
     are not added to it: files that have both write the same numbers twice. An axis without a position
-    channel keeps the OFFSET.
+    channel keeps the OFFSET. `skeleton.rotation_orders` keeps the order of the rotation channels, for `write_bvh`.
 
     A frame rate within 1 in 10,000 of a whole number is taken for it: a Frame Time of 0.0083333 s is 120 Hz.
 
@@ -110,7 +110,7 @@ def read_bvh(
     except WalkError as error:
         raise WalkError(f"{path}, {error}") from None
     walk = _to_walk(bvh, scale, up, path.stem if name is None else name)
-    _check_body(walk, path, unit)
+    check_body(walk, path, unit)
     return walk if frame_rate is None else replace(walk, frame_rate=frame_rate)
 
 
@@ -130,6 +130,7 @@ def _to_walk(bvh: BvhText, scale: float, up: str, name: str) -> JointWalk:
         np.array([joint for joint, _ in bvh.ends], dtype=np.intp),
         to_package_axes(scale * np.array([offset for _, offset in bvh.ends]).reshape(-1, 3), up),
         root,
+        _rotation_orders(bvh, up),
     )
     still = np.tile(offsets[root], (len(bvh.motion), 1))
     return JointWalk(
@@ -175,24 +176,18 @@ def _rotations(bvh: BvhText) -> NDArray[np.float64]:
     return rotations
 
 
+def _rotation_orders(bvh: BvhText, up: str) -> tuple[str, ...]:
+    """Return the order of each joint's rotation channels, each axis once, the axes it lacks in the order ZXY."""
+    turning = _channel_columns(bvh, "rotation")
+    orders = [turning[joint][0] if joint in turning else "" for joint in range(len(bvh.joints))]
+    return tuple(to_package_order("".join(dict.fromkeys(order + "ZXY")), up) for order in orders)
+
+
 def _frame_rate(frame_time: float) -> float:
     rate = 1 / frame_time
     whole = max(1.0, np.round(rate))
-    return float(whole) if abs(rate - whole) <= _WHOLE * whole else rate
-
-
-def _check_body(walk: JointWalk, path: Path, unit: str | float) -> None:
-    """Raise if the skeleton is of a known rig and its legs are not of a person's length."""
-    try:
-        rig = find_rig(walk.skeleton.joint_names)
-    except ValueError:
-        return  # nothing says which joints are the legs
-    some = np.unique(np.linspace(0, walk.n_frames - 1, 9).astype(np.intp))  # bones are rigid: a few frames do
-    few = replace(
-        walk,
-        rotations=walk.rotations[some],
-        root=walk.root[some],
-        translations={joint: moved[some] for joint, moved in walk.translations.items()},
-        name=str(path),
-    )
-    check_leg_length(few.to_markers(rig), unit=unit)
+    if abs(rate - whole) <= _WHOLE * whole:
+        return float(whole)
+    # Rounding twice can miss a rate of few digits, such as 59.94, by the last bit.
+    near = [float(np.nextafter(rate, 0)), float(np.nextafter(rate, np.inf))]
+    return next((other for other in near if 1 / other == frame_time and len(repr(other)) <= _SHORT), rate)

@@ -11,10 +11,11 @@ from eigenwalker.motion.fourier import (
     reference_phase,
     shift_phase,
 )
+from eigenwalker.motion.gait import Step, detect_events, find_steps, gait_table, heel_strikes, toe_offs
 from eigenwalker.motion.phase import phase_weights, stride_frequency
 from eigenwalker.motion.preparation import WalkPreparer, mirror_walk, prepare, prepare_walks
 from eigenwalker.motion.quality import WalkQuality, walk_quality
-from eigenwalker.motion.rotations import forward_kinematics, rotvec_from_euler, unroll_rotvec
+from eigenwalker.motion.rotations import euler_from_rotvec, forward_kinematics, rotvec_from_euler, unroll_rotvec
 from eigenwalker.motion.skeleton import RIGS, TROJE15, MarkerSet, Rig, Skeleton, find_rig
 from eigenwalker.motion.walk import Event, JointWalk, Walk
 
@@ -26,18 +27,24 @@ __all__ = [
     "MarkerSet",
     "Rig",
     "Skeleton",
+    "Step",
     "Walk",
     "WalkPreparer",
     "WalkQuality",
     "amplitude_phase",
     "check_leg_length",
     "coarse_frequency",
+    "detect_events",
     "estimate_frequency",
+    "euler_from_rotvec",
     "evaluate_harmonics",
     "explained_power",
     "find_rig",
+    "find_steps",
     "fit_harmonics",
     "forward_kinematics",
+    "gait_table",
+    "heel_strikes",
     "mirror_walk",
     "phase_weights",
     "prepare",
@@ -47,6 +54,7 @@ __all__ = [
     "shift_phase",
     "stature",
     "stride_frequency",
+    "toe_offs",
     "unroll_rotvec",
     "walk_quality",
 ]

@@ -217,12 +217,13 @@ def estimate_frequency(
     *,
     start: float,
     n_harmonics: int = SEARCH_HARMONICS,
+    precision: float = 1e-3,
 ) -> float:
     """Return the fundamental frequency that explains most power in all channels, by variable projection.
 
     For each trial frequency the coefficients are the least-squares ones, so that only the frequency is searched:
-    Gauss-Newton on the residual with Kaufman's gradient, from `start`, until what is left is a thousandth of the
-    frequency's standard error, or rounding. With white noise the error is at the Cramer-Rao bound.
+    Gauss-Newton on the residual with Kaufman's gradient, from `start`, until what is left is a small part
+    of the frequency's standard error, or rounding. With white noise the error is at the Cramer-Rao bound.
 
     Parameters
     ----------
@@ -235,6 +236,8 @@ def estimate_frequency(
     n_harmonics : int, default 4
         Harmonics in the search. More than are kept later, because a 3rd and 4th harmonic that are left out of the
         search bias it. Lowered where the frame rate or the number of frames does not carry them.
+    precision : float, default 1e-3
+        Largest error of the search itself, in standard errors of the frequency.
 
     Returns
     -------
@@ -259,7 +262,7 @@ def estimate_frequency(
         means = _as_compiled(block_means(channels, block))
         omega, ratio = refine(means, omega * block, carried, ratio, 0.01, _MAX_STEPS)
         omega /= block
-    omega, _ = refine(channels, omega, carried, ratio, 1e-5, _MAX_STEPS)
+    omega, _ = refine(channels, omega, carried, ratio, precision, _MAX_STEPS)
     return float(omega * frame_rate / (2 * np.pi))
 
 
@@ -309,7 +312,7 @@ def coarse_frequency(
             f"no frequency between {frequency_range[0]:g} and {frequency_range[1]:g} Hz fits into that"
         )
     n_trials = max(_TRIALS, int((high - low) * duration * _TRIALS_PER_CYCLE))
-    frequencies = low + (high - low) / (n_trials - 1) * np.arange(n_trials)
+    frequencies: NDArray[np.float64] = low + (high - low) / (n_trials - 1) * np.arange(n_trials)
     shares = line_and_wave_shares(signal, 2 * np.pi * frequencies / rate)
     best = int(np.argmax(shares))
     if shares[best] < _WEAK or best in (0, len(shares) - 1):

@@ -96,8 +96,8 @@ def prepare(
     else:
         _guess_frequency(walk, direction, frequency_range)  # refuses a walk without a period
         if np.isnan(walk.speed):
-            ankles = (_floor(walk, f"{side}_ankle") @ direction for side in ("left", "right"))
-            walk = replace(walk, speed=stance_speed(*ankles, walk.frame_rate))
+            left, right = (_floor(walk, f"{side}_ankle") @ direction for side in ("left", "right"))
+            walk = replace(walk, speed=stance_speed(left, right, walk.frame_rate))
     if heading is not None:
         walk = _turn(walk, _facing(walk) if heading == "body" else direction)
     return _to_unit_stature(walk) if normalize_size else walk
@@ -201,7 +201,7 @@ def _smooth_path(walk: Walk, direction: NDArray[np.float64], frequency_range: tu
         if abs(frequency - before) <= 1e-9 * frequency:
             break
         channels = _without_path(walk, path).channels
-        frequency, before = estimate_frequency(channels, walk.frame_rate, start=frequency), frequency
+        frequency, before = estimate_frequency(channels, walk.frame_rate, start=frequency, precision=1e-6), frequency
         path = fit_path(_floor(walk, "pelvis"), walk.frame_rate, frequency)
     return path
 

@@ -7,7 +7,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["forward_kinematics", "rotvec_from_euler", "unroll_rotvec"]
+__all__ = ["euler_from_rotvec", "forward_kinematics", "rotvec_from_euler", "unroll_rotvec"]
+
+_LOCKED = 1e-9  # two of the three angles are about one axis where a cosine or sine is smaller
 
 
 def rotvec_from_euler(angles: ArrayLike, order: str) -> NDArray[np.float64]:
@@ -48,8 +50,8 @@ def rotvec_from_euler(angles: ArrayLike, order: str) -> NDArray[np.float64]:
             f"angles must have {len(order)} entries in the last axis, one a letter of {order!r}, "
             f"got shape {angles.shape}"
         )
-    n_rotations = int(np.prod(angles.shape[:-1]))
-    flat = np.ascontiguousarray(angles.reshape(n_rotations, len(order)))  # (..., n_axes) -> (n, n_axes)
+    shape = (int(np.prod(angles.shape[:-1])), len(order))
+    flat = np.ascontiguousarray(angles.reshape(shape))  # (..., n_axes) -> (n, n_axes)
     axes = np.array(["XYZ".index(letter) for letter in order], dtype=np.int64)
     return _rotvec_from_euler(flat, axes).reshape(*angles.shape[:-1], 3)
 
@@ -74,10 +76,100 @@ def _rotvec_from_euler(angles, axes):
             w, x, y, z = -w, -x, -y, -z
         sine = np.sqrt(x * x + y * y + z * z)
         scale = 2.0 if sine < 1e-12 else 2.0 * np.arctan2(sine, w) / sine
-        out[i, 0] = scale * x
-        out[i, 1] = scale * y
-        out[i, 2] = scale * z
+        for axis, entry in enumerate((x, y, z)):
+            out[i, axis] = scale * entry
     return out
+
+
+def euler_from_rotvec(rotvec: ArrayLike, order: str) -> NDArray[np.float64]:
+    r"""Return the angles about moving axes that make the same rotations, without jumps from frame to frame.
+
+    The inverse of `rotvec_from_euler`. Every rotation has two families of angles, (a, b, c) and (a + pi, pi - b,
+    c + pi), and whole turns may be added. Those nearest to the frame before are taken, at first those nearest to zero.
+
+    Parameters
+    ----------
+    rotvec : array-like of shape (3,) or (n_frames, ..., 3)
+        Exponential maps, time first, in radians.
+    order : str
+        X, Y and Z, each once, in any order.
+
+    Returns
+    -------
+    ndarray of the shape of `rotvec`
+        In radians.
+
+    Raises
+    ------
+    ValueError
+        If `order` is not one of the six orders, or the last axis of `rotvec` does not have 3 entries.
+
+    Notes
+    -----
+    For half angles and the quaternion w, i, j, k, axes in a right-handed order (else k and c change sign)::
+
+        (cos b + sin b) (cos, sin)(a + c) = (w + j, i + k)
+        (cos b - sin b) (cos, sin)(a - c) = (w - j, i - k)
+
+    so that all angles keep their digits. At gimbal lock, b = pi / 2, the sum or the difference is free and stays.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from eigenwalker.motion import euler_from_rotvec
+    >>> np.rad2deg(euler_from_rotvec([0.0, np.pi / 2, 0.0], "ZXY")).round(6) + 0.0
+    array([ 0.,  0., 90.])
+    """
+    if sorted(order) != ["X", "Y", "Z"]:
+        raise ValueError(f"order must have X, Y and Z once each, got {order!r}")
+    rotvec = np.asarray(rotvec, dtype=np.float64)
+    if rotvec.ndim == 0 or rotvec.shape[-1] != 3:
+        raise ValueError(f"rotvec must have shape (3,) or (n_frames, ..., 3), got {rotvec.shape}")
+    shape = (len(rotvec) if rotvec.ndim > 1 else 1, int(np.prod(rotvec.shape[1:-1])), 3)
+    frames = np.ascontiguousarray(rotvec.reshape(shape))  # (n_frames, ..., 3) -> (n_frames, n, 3)
+    axes = np.array(["XYZ".index(letter) for letter in order], dtype=np.int64)
+    sign = 1.0 if order in "XYZXY" else -1.0
+    return _euler_from_rotvec(frames, axes, sign).reshape(rotvec.shape)
+
+
+@njit(cache=True, nogil=True)
+def _euler_from_rotvec(rotvec, axes, sign):
+    n_frames, n_joints, _ = rotvec.shape
+    out = np.empty((n_frames, n_joints, 3))
+    for joint in range(n_joints):
+        total, middle, difference = 0.0, 0.0, 0.0  # a + c, b, a - c of the frame before
+        for frame in range(n_frames):
+            turn = rotvec[frame, joint]
+            angle = np.sqrt(turn[0] ** 2 + turn[1] ** 2 + turn[2] ** 2)
+            w, scale = np.cos(0.5 * angle), 0.5 if angle < 1e-12 else np.sin(0.5 * angle) / angle
+            i, j, k = scale * turn[axes[0]], scale * turn[axes[1]], sign * scale * turn[axes[2]]
+            plus, minus = np.hypot(w + j, i + k), np.hypot(w - j, i - k)
+            b = 2.0 * np.arctan2(plus, minus) - 0.5 * np.pi
+            s = 2.0 * np.arctan2(i + k, w + j) if plus > _LOCKED else total
+            d = 2.0 * np.arctan2(i - k, w - j) if minus > _LOCKED else difference
+            total, middle, difference = _nearest_angles(s, b, d, total, middle, difference)
+            for axis, value in enumerate((0.5 * (total + difference), middle, 0.5 * sign * (total - difference))):
+                out[frame, joint, axis] = value
+    return out
+
+
+@njit(cache=True, nogil=True)
+def _nearest_angles(s, b, d, total, middle, difference):
+    """Choose the nearest sum, middle angle and difference; an odd number of whole turns is the other family's."""
+    turn, best, nearest = 2.0 * np.pi, np.inf, (s, b, d)
+    x, y = (total - s) / turn, (difference - d) / turn
+    for odd in range(2):
+        m, n = np.round(x), np.round(y)
+        if (m + n) % 2 != odd and abs(x - m) > abs(y - n):
+            m += 1.0 if x > m else -1.0
+        elif (m + n) % 2 != odd:
+            n += 1.0 if y > n else -1.0
+        base = np.pi - b if odd else b
+        beta = base + turn * np.round((middle - base) / turn)
+        far = 0.5 * turn**2 * ((x - m) ** 2 + (y - n) ** 2) + (beta - middle) ** 2
+        if far < best - 1e-12:
+            best, nearest = far, (s + turn * m, beta, d + turn * n)
+    return nearest
 
 
 def unroll_rotvec(rotvec: ArrayLike) -> NDArray[np.float64]:
@@ -117,15 +209,13 @@ def _unroll(rotvec):
                 before = np.sqrt(px * px + py * py + pz * pz)
                 if before > np.pi:
                     scale = turn * np.round(before / turn) / before
-                    out[frame, joint, 0] = px * scale
-                    out[frame, joint, 1] = py * scale
-                    out[frame, joint, 2] = pz * scale
+                    for axis in range(3):
+                        out[frame, joint, axis] = scale * out[frame - 1, joint, axis]
                 continue
             along = (x * px + y * py + z * pz) / angle
             scale = 1.0 + turn * np.round((along - angle) / turn) / angle
-            out[frame, joint, 0] = x * scale
-            out[frame, joint, 1] = y * scale
-            out[frame, joint, 2] = z * scale
+            for axis in range(3):
+                out[frame, joint, axis] *= scale
     return out
 
 
@@ -192,19 +282,19 @@ def _forward_kinematics(rotations, local_positions, parents):
         for joint in range(n_joints):
             _rotation_matrix(rotations[frame, joint], turn)
             parent = parents[joint]
-            if parent < 0:
-                positions[frame, joint] = local_positions[frame, joint]
-                frames[frame, joint] = turn
-                continue
-            above = frames[frame, parent]
-            for i in range(3):
+            for i in range(3):  # element by element: assigning slices takes seconds to compile
+                if parent < 0:
+                    positions[frame, joint, i] = local_positions[frame, joint, i]
+                    for j in range(3):
+                        frames[frame, joint, i, j] = turn[i, j]
+                    continue
                 moved = positions[frame, parent, i]
                 for k in range(3):
-                    moved += above[i, k] * local_positions[frame, joint, k]
+                    moved += frames[frame, parent, i, k] * local_positions[frame, joint, k]
                 positions[frame, joint, i] = moved
                 for j in range(3):
                     entry = 0.0
                     for k in range(3):
-                        entry += above[i, k] * turn[k, j]
+                        entry += frames[frame, parent, i, k] * turn[k, j]
                     frames[frame, joint, i, j] = entry
     return positions, frames

@@ -103,6 +103,9 @@ class Skeleton:
     root : int, default 0
         The joint that carries the body through space. It is not the first one in files that put
         a fixed reference above the hips.
+    rotation_orders : tuple of str, default None
+        For each joint the order, such as "XYZ", in which files write its angles: the letters are the package's axes,
+        as in `euler_from_rotvec`. It changes no rotation. None leaves the orders to whoever writes a file.
     """
 
     joint_names: tuple[str, ...]
@@ -111,6 +114,7 @@ class Skeleton:
     end_parents: NDArray[np.intp] = field(default_factory=lambda: np.empty(0, dtype=np.intp))
     end_offsets: NDArray[np.floating] = field(default_factory=lambda: np.empty((0, 3)))
     root: int = 0
+    rotation_orders: tuple[str, ...] | None = None
 
     def __post_init__(self) -> None:
         names = check_names(self.joint_names, name="joint_names")
@@ -124,6 +128,8 @@ class Skeleton:
             raise ValueError(f"end_parents must be positions of joints below {len(names)}, got {ends}")
         if not 0 <= self.root < len(names):
             raise ValueError(f"root must be the position of a joint below {len(names)}, got {self.root}")
+        if self.rotation_orders is not None:
+            object.__setattr__(self, "rotation_orders", _check_orders(self.rotation_orders, len(names)))
         for array in (parents, ends):
             array.flags.writeable = False
         object.__setattr__(self, "joint_names", names)
@@ -134,6 +140,14 @@ class Skeleton:
 
     def __setstate__(self, state: dict[str, object]) -> None:
         restore_read_only(self, state)
+
+
+def _check_orders(orders: Iterable[str], n_joints: int) -> tuple[str, ...]:
+    """Return `orders` as a tuple with one order of the three axes a joint."""
+    result = (orders,) if isinstance(orders, str) else tuple(orders)
+    if len(result) != n_joints or any(sorted(order) != ["X", "Y", "Z"] for order in result):
+        raise ValueError(f"rotation_orders must be {n_joints} orders of X, Y and Z, one a joint, got {result}")
+    return result
 
 
 @dataclass(frozen=True)
@@ -211,6 +225,14 @@ _BANDAI = _rig(
     },
     flexion={},  # the maps of its hips lie near a half turn, where their sign is a matter of the first frame
 )
+_LIMB_JOINTS = {
+    "shoulder": "LeftArm|RightArm",
+    "elbow": "LeftForeArm|RightForeArm",
+    "wrist": "LeftHand|RightHand",
+    "hip": "LeftUpLeg|RightUpLeg",
+    "knee": "LeftLeg|RightLeg",
+    "ankle": "LeftFoot|RightFoot",
+}
 _CMU = _rig(
     "cmu",
     trunk={
@@ -218,19 +240,44 @@ _CMU = _rig(
         "clavicle": {"Neck": 1.0},
         "pelvis": {"LeftUpLeg": 0.5, "RightUpLeg": 0.5},
     },
-    limbs={
-        "shoulder": "LeftArm|RightArm",
-        "elbow": "LeftForeArm|RightForeArm",
-        "wrist": "LeftHand|RightHand",
-        "hip": "LeftUpLeg|RightUpLeg",
-        "knee": "LeftLeg|RightLeg",
-        "ankle": "LeftFoot|RightFoot",
-    },
+    limbs=_LIMB_JOINTS,
     flexion={"LeftUpLeg_y": -1.0, "RightUpLeg_y": 1.0},  # a turn about y, to the left, swings a leg back
 )
+# A joint of ASF is the start of its bone. lwrist is the lower third of the forearm; the wrist is where lhand starts.
+_ASF = _rig(
+    "asf",
+    trunk={
+        "head": {"head": 1.5, "upperneck": -0.5},
+        "clavicle": {"lowerneck": 1.0},
+        "pelvis": {"lfemur": 0.5, "rfemur": 0.5},
+    },
+    limbs={
+        "shoulder": "lhumerus|rhumerus",
+        "elbow": "lradius|rradius",
+        "wrist": "lhand|rhand",
+        "hip": "lfemur|rfemur",
+        "knee": "ltibia|rtibia",
+        "ankle": "lfoot|rfoot",
+    },
+    flexion={"lfemur_y": -1.0, "rfemur_y": 1.0},
+)
+_MIXAMO = _rig(
+    "mixamo",
+    trunk={
+        "head": {"Head": 2.0, "Neck": -1.0},
+        "clavicle": {"LeftShoulder": 0.5, "RightShoulder": 0.5},
+        "pelvis": {"LeftUpLeg": 0.5, "RightUpLeg": 0.5},
+    },
+    limbs=_LIMB_JOINTS,
+    flexion={},  # the axes of its bones depend on the program that wrote the file
+)
+_MIXAMORIG = Rig(
+    "mixamorig",
+    {marker: {f"mixamorig:{joint}": w for joint, w in held.items()} for marker, held in _MIXAMO.markers.items()},
+)
 
-RIGS: tuple[Rig, ...] = (_BANDAI, _CMU)
-"""The rigs that `JointWalk.to_markers` recognises by their joint names."""
+RIGS: tuple[Rig, ...] = (_BANDAI, _CMU, _ASF, _MIXAMORIG, _MIXAMO)
+"""The rigs that `JointWalk.to_markers` recognises by their joint names; the first one that fits is taken."""
 
 
 def find_rig(joint_names: Iterable[str]) -> Rig:

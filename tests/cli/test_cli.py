@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from eigenwalker import load_model
+from eigenwalker import load_model, read_walk
 from eigenwalker.cli import main
 
 
@@ -60,6 +60,10 @@ def test_fit_and_walk(run, files, tmp_path):
     assert np.isclose(np.diff(columns["time"]), 1 / 120).all()
     assert run("walk", model, "--alpha", "style=-1", "--out", picture)[0] == 0
     assert picture.read_bytes().startswith(b"\x89PNG")
+    for ending in (".mat", ".npz", ".trc", ".tsv", "_motion.tsv"):
+        written = tmp_path / f"happy{ending}"
+        assert run("walk", model, "--alpha", "style=1", "--out", written)[0] == 0
+        assert read_walk(written).n_frames > 1000
     assert load_model(model)["trait"].poles_ == {"style": ("feminine", "masculine")}
 
 
@@ -158,7 +162,7 @@ def test_wrong_requests_for_a_walk_are_refused(run, files, tmp_path):
     cases = {
         "trait must be one of 'style', got 'mood'": [model, "--alpha", "mood=2", "--out", tmp_path / "w.csv"],
         "--alpha must be TRAIT=NUMBER, such as gender=2, got 'style'": [model, "--alpha", "style", "--out", "w.csv"],
-        "--out must end in .csv or .png, got w.fbx": [model, "--alpha", "style=1", "--out", "w.fbx"],
+        " .trc, .tsv, _motion.tsv or .png, got w.fbx": [model, "--alpha", "style=1", "--out", "w.fbx"],
         "expected a model written by save_model": [files[0], "--alpha", "style=1", "--out", tmp_path / "w.csv"],
         "no.skops": [tmp_path / "no.skops", "--alpha", "style=1", "--out", tmp_path / "w.csv"],
     }

@@ -96,5 +96,7 @@ def test_a_wrong_unit_is_refused_with_advice(data_dir):
     with pytest.raises(WalkError, match=r"07_01\.bvh': legs are 0\.14. m long with unit='cm'.*about 0\.05[0-9] for"):
         read_bvh(path)
     (bandai, *_) = sorted((data_dir / "bandai2").glob("*.bvh"))
-    with pytest.raises(WalkError, match=r"active_001\.bvh: legs are .* m long with unit='m'.*; pass unit='cm'"):
+    with pytest.raises(
+        WalkError, match=r"active_001\.bvh': legs are .* m long with unit='m'.*; read it with unit='cm'"
+    ):
         read_bvh(bandai, unit="m")

@@ -3,11 +3,15 @@
 import warnings
 from pathlib import Path
 
+import numpy as np
 import pytest
-from numpy.testing import assert_array_equal
+from numpy.testing import assert_allclose, assert_array_equal
 
 from eigenwalker._validation import WalkError
-from eigenwalker.io import read_bvh, read_walk, read_walks
+from eigenwalker.io import read_bvh, read_walk, read_walks, write_walk
+from eigenwalker.io.formats import READERS, WRITERS, find_ending
+from eigenwalker.motion import TROJE15, JointWalk, Walk
+from tests.synthetic import make_walk
 
 TEXT = """HIERARCHY
 ROOT Hips
@@ -48,7 +52,7 @@ def test_suffix_chooses_the_reader(files, tmp_path):
 
 
 def test_unknown_suffix_lists_the_known():
-    with pytest.raises(WalkError, match=r"walk\.fbx: expected a file of type \.bvh, got suffix '\.fbx'"):
+    with pytest.raises(WalkError, match=r"walk\.fbx: expected a file of type .*\.bvh, .*, got suffix '\.fbx'"):
         read_walk("walk.fbx")
     with pytest.raises(WalkError, match=r"got suffix ''"):
         read_walk("walk")
@@ -56,7 +60,7 @@ def test_unknown_suffix_lists_the_known():
 
 def test_unknown_option_lists_the_known(files):
     for read in (read_walk, lambda path, **options: read_walks([path], **options)):
-        with pytest.raises(TypeError, match="read_bvh takes the options unit, up, name, got units, axis"):
+        with pytest.raises(TypeError, match="read_bvh takes the options unit, up, frame_rate, name, got units, axis"):
             read(files[0], units="cm", axis="y")
 
 
@@ -77,7 +81,8 @@ def test_all_refusals_are_raised_at_once(mixed, n_jobs):
     assert first == "3 of 6 files were refused; mend them, or leave them out with on_error='skip':"
     assert lines[0] == f"  {mixed[1]}, line 11: expected a finite number as value 3 of 4, got 'far'"
     assert lines[1].startswith(f"  {mixed[3]}: [Errno 2] No such file")
-    assert lines[2] == f"  {mixed[4]}: expected a file of type .bvh, got suffix '.mp4'"
+    known = ", ".join(sorted(READERS))
+    assert lines[2] == f"  {mixed[4]}: expected a file of type {known}, got suffix '.mp4'"
     assert len(lines) == 3
 
 
@@ -114,3 +119,56 @@ def test_wrong_choices_are_refused(files):
         read_walks(files, on_error="ignore")
     with pytest.raises(TypeError, match="takes no name"):
         read_walks(files, name="anna")
+
+
+MARKER_ENDINGS = [".csv", ".mat", ".npz", ".trc", ".tsv", "_motion.tsv"]
+
+
+def test_the_longest_ending_counts():
+    assert find_ending("sub-01_motion.tsv", READERS) == "_motion.tsv"
+    assert find_ending("slow_motion_walk.TSV", READERS) == ".tsv"
+    assert find_ending("anna.csv.gz", READERS) is None
+    assert set(MARKER_ENDINGS) <= set(WRITERS)
+    assert set(WRITERS) <= set(READERS)
+
+
+@pytest.mark.parametrize("ending", MARKER_ENDINGS)
+def test_every_format_of_markers_keeps_a_walk(tmp_path, ending):
+    walk, _ = make_walk(np.random.default_rng(0), name="anna", n_cycles=10)
+    path = tmp_path / f"anna{ending}"
+    write_walk(walk, path)
+    back = read_walk(path)
+    assert isinstance(back, Walk)
+    assert back.marker_set == TROJE15
+    assert (back.name, back.frame_rate) == ("anna", 120)
+    # BML holds the two harmonics that this walk is made of; its frequency is found to some 1e-12.
+    assert_allclose(back.positions, walk.positions, rtol=1e-12, atol=1e-9 if ending == ".mat" else 0)
+
+
+@pytest.mark.parametrize("ending", [ending for ending in MARKER_ENDINGS if ending != ".npz"])
+def test_joints_do_not_go_into_files_of_markers(files, tmp_path, ending):
+    walk = read_walk(files[0])
+    assert isinstance(walk, JointWalk)
+    with pytest.raises(TypeError, match=r"expected a Walk, got JointWalk; .* with to_markers\(\)"):
+        write_walk(walk, tmp_path / f"no{ending}")
+    assert not (tmp_path / f"no{ending}").exists()
+
+
+def test_npz_keeps_joints(files, tmp_path):
+    walk = read_walk(files[0])
+    write_walk(walk, tmp_path / "eva.npz")
+    assert_array_equal(read_walk(tmp_path / "eva.npz").joint_positions(), walk.joint_positions())
+
+
+def test_unknown_suffixes_and_options_of_writers(tmp_path):
+    walk, _ = make_walk(np.random.default_rng(0))
+    with pytest.raises(WalkError, match=r"walk\.fbx: expected a file of type .*\.csv, .*, got suffix '\.fbx'"):
+        write_walk(walk, "walk.fbx")
+    with pytest.raises(WalkError, match=r"walk\.txt: expected a file of type"):
+        write_walk(walk, "walk.txt")
+    with pytest.raises(TypeError, match="write_trc takes the options unit, up, got units"):
+        write_walk(walk, tmp_path / "walk.trc", units="mm")
+    with pytest.raises(TypeError, match="write_csv takes no options, got unit"):
+        write_walk(walk, tmp_path / "walk.csv", unit="mm")
+    write_walk(walk, tmp_path / "walk.trc", unit="m", up="z")
+    assert_array_equal(read_walk(tmp_path / "walk.trc", up="z").positions, walk.positions)

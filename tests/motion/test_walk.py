@@ -67,7 +67,11 @@ def test_the_array_passed_in_is_not_shared():
         ({"marker_set": "troje"}, TypeError, "marker_set must be a MarkerSet, got str"),
         ({"name": 3}, TypeError, "name must be a string"),
         ({"size": 0.0}, ValueError, "size must be positive"),
-        ({"events": ("strike",)}, TypeError, r"events must be Event\(time, kind, side\) with finite times, got 'strike'"),
+        (
+            {"events": ("strike",)},
+            TypeError,
+            r"events must be Event\(time, kind, side\) with finite times, got 'strike'",
+        ),
     ],
 )
 def test_wrong_fields_are_refused(arguments, error, message):
@@ -99,7 +103,7 @@ def test_translations_replace_offsets():
 
 def test_unknown_skeletons_ask_for_a_rig():
     with pytest.raises(
-        ValueError, match=r"no known rig \(bandai, cmu\) matches the joints hips, knee, foot; pass rig="
+        ValueError, match=r"no known rig \(bandai, cmu, .*\) matches the joints hips, knee, foot; pass rig="
     ):
         _joint_walk().to_markers()
     rig = Rig("peg", {name: {"hips": 0.5, "foot": 0.5} for name in TROJE15.names})
@@ -114,7 +118,17 @@ def test_rigs_are_checked():
     rig = Rig("peg", {name: {"tail": 1.0} for name in TROJE15.names})
     with pytest.raises(ValueError, match="rig 'peg' needs joints tail; found hips, knee, foot"):
         _joint_walk().to_markers(rig)
-    assert [find_rig(rig.joint_names).name for rig in RIGS] == ["bandai", "cmu"]
+    assert [find_rig(rig.joint_names).name for rig in RIGS] == [rig.name for rig in RIGS]
+
+
+def test_mixamo_skeletons_are_known_with_and_without_prefix():
+    names = ["Hips", "Neck", "Head"]
+    names += [f"{side}{part}" for side in ("Left", "Right") for part in ("Shoulder", "Arm", "ForeArm", "Hand")]
+    names += [f"{side}{part}" for side in ("Left", "Right") for part in ("UpLeg", "Leg", "Foot", "ToeBase")]
+    plain, prefixed = find_rig(names), find_rig([f"mixamorig:{name}" for name in names])
+    assert (plain.name, prefixed.name) == ("mixamo", "mixamorig")
+    assert_allclose(plain.weights(names), prefixed.weights([f"mixamorig:{name}" for name in names]))
+    assert find_rig([*names, "Neck1"]).name == "cmu"
 
 
 @pytest.mark.parametrize(
