@@ -105,8 +105,9 @@ def write_walk(walk: Walk | JointWalk, path: str | PathLike[str], **options: obj
     walk : Walk or JointWalk
         What to write. Files of markers take a Walk, which `JointWalk.to_markers` makes; BVH takes a JointWalk.
     path : str or path
-        Where to: Motion-BIDS ``_motion.tsv`` (`write_bids`), ``.bvh`` (`write_bvh`), ``.c3d`` (`write_c3d`), tables ``.csv`` and ``.tsv`` (`write_csv`), BML
-        ``.mat`` (`write_bml`), ``.npz`` (`write_npz`), or ``.trc`` (`write_trc`).
+        Where to: Motion-BIDS ``_motion.tsv`` (`write_bids`), ``.bvh`` (`write_bvh`), ``.c3d`` (`write_c3d`), tables
+        ``.csv`` and ``.tsv`` (`write_csv`), BML ``.mat`` (`write_bml`), ``.npz`` (`write_npz`), or ``.trc``
+        (`write_trc`).
     **options
         Passed on to the writer, such as ``unit`` and ``up``.
 

@@ -312,7 +312,7 @@ def coarse_frequency(
             f"no frequency between {frequency_range[0]:g} and {frequency_range[1]:g} Hz fits into that"
         )
     n_trials = max(_TRIALS, int((high - low) * duration * _TRIALS_PER_CYCLE))
-    frequencies: NDArray[np.float64] = low + (high - low) / (n_trials - 1) * np.arange(n_trials)
+    frequencies = low + (high - low) / (n_trials - 1) * np.arange(n_trials, dtype=np.float64)
     shares = line_and_wave_shares(signal, 2 * np.pi * frequencies / rate)
     best = int(np.argmax(shares))
     if shares[best] < _WEAK or best in (0, len(shares) - 1):
