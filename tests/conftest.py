@@ -7,6 +7,11 @@ os.environ.setdefault("SCIPY_ARRAY_API", "1")  # before scipy: scikit-learn skip
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
+
+# The first example of a law may wait for a compiled loop; and where it decides, a run gives the same answer twice.
+settings.register_profile("eigenwalker", deadline=None, derandomize="CI" in os.environ)
+settings.load_profile("eigenwalker")
 
 
 @pytest.fixture(scope="session")

@@ -1,6 +1,7 @@
 """``eigenwalker demo``: the whole job on synthetic walkers."""
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -82,7 +83,7 @@ def _print_results(model: Pipeline, matrix: NDArray[np.float64], traits: pd.Data
 def _draw(model: Pipeline, folder: Path) -> None:
     from matplotlib.figure import Figure
 
-    average = walk_along_axis(model, "gender", [0.0])
+    average = [replace(walk, name="average walker") for walk in walk_along_axis(model, "gender", [0.0])]
     pictures = {"average": average, **{trait: walk_along_axis(model, trait, [-2, 0, 2]) for trait in _POLES}}
     for name, walks in pictures.items():
         figure = Figure(figsize=(12, 0.6 + 2.3 * len(walks)), layout="constrained")

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from eigenwalker._validation import WalkError
-from eigenwalker.io._bvh_hierarchy import decimal, shown
-from eigenwalker.io._text import decode_lines
+from eigenwalker.io._text import decimal, decode_lines, shown
 
 __all__ = ["LARGEST", "AsfBone", "AsfSkeleton", "Statement", "parse_asf", "statements"]
 

@@ -8,8 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from eigenwalker._validation import WalkError
-from eigenwalker.io._bvh_hierarchy import shown
-from eigenwalker.io._text import Row, decode_lines, name_file, number_table, split_rows
+from eigenwalker.io._text import Row, decode_lines, name_file, number_table, shown, split_rows
 from eigenwalker.motion.walk import Event
 
 __all__ = [

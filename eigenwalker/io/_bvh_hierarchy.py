@@ -1,16 +1,15 @@
 """The part of a BVH file before MOTION: a tree of joints with their offsets and channels."""
 
-import math
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 from eigenwalker._validation import WalkError
+from eigenwalker.io._text import decimal, shown
 
-__all__ = ["BvhJoint", "decimal", "read_hierarchy", "shown"]
+__all__ = ["BvhJoint", "read_hierarchy"]
 
 _CHANNELS = frozenset(axis + kind for axis in "XYZ" for kind in ("position", "rotation"))
-_DECIMAL = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 
 
 @dataclass(frozen=True)
@@ -46,20 +45,6 @@ class _Block:
     position: int  # among the joints; -1 for an end site
     offset: tuple[float, ...] | None = None
     channels: tuple[str, ...] | None = None
-
-
-def shown(text: str) -> str:
-    """Return `text` in quotes, shortened, for an error."""
-    text = text.strip()
-    return repr(text if len(text) <= 40 else text[:37] + "...")
-
-
-def decimal(text: str) -> float | None:
-    """Return the finite number that `text` writes, or None."""
-    if _DECIMAL.fullmatch(text) is None:
-        return None
-    value = float(text)
-    return value if math.isfinite(value) else None
 
 
 def read_hierarchy(lines: list[str]) -> tuple[list[BvhJoint], list[tuple[int, tuple[float, ...]]], int]:

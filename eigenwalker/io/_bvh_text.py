@@ -11,11 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigenwalker._validation import WalkError
-from eigenwalker.io._bvh_hierarchy import BvhJoint, decimal, read_hierarchy, shown
+from eigenwalker.io._bvh_hierarchy import BvhJoint, read_hierarchy
+from eigenwalker.io._text import CUT, decimal, decode_lines, shown
 
 __all__ = ["BvhText", "parse_bvh"]
-
-_CUT = "the file seems to be cut off; get it again"
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +41,7 @@ class BvhText:
 
 def parse_bvh(data: bytes) -> BvhText:
     """Return what the bytes of a BVH file say, or raise a WalkError that names the line."""
-    lines = _decode(data).split("\n")
+    lines = _decode(data)
     joints, ends, after = read_hierarchy(lines)
     n_channels = sum(len(joint.channels) for joint in joints)
     if n_channels == 0:
@@ -55,21 +54,12 @@ def parse_bvh(data: bytes) -> BvhText:
     return BvhText(joints, ends, frame_time, motion)
 
 
-def _decode(data: bytes) -> str:
-    """Return the text with line feeds between its lines and none at its end."""
-    if b"\0" in data:
-        line = data.count(b"\n", 0, data.index(b"\0")) + 1
-        raise WalkError(f"line {line}: expected the text of a BVH file, got binary data (a zero byte)")
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
-        raise WalkError(
-            f"line {line}: expected UTF-8 text, got byte 0x{data[error.start]:02x}; "
-            "if this is a BVH file with accented names, save it as UTF-8"
-        ) from None
-    text = text.replace("\r\n", "\n").replace("\r", "\n") if "\r" in text else text
-    return text.rstrip()
+def _decode(data: bytes) -> list[str]:
+    """Return the lines of the text, without blank ones at its end."""
+    lines = decode_lines(data, "a BVH file")
+    while len(lines) > 1 and not lines[-1].strip():
+        lines.pop()
+    return lines
 
 
 def _labelled(lines: list[str], start: int, label: str) -> tuple[str, int]:
@@ -81,7 +71,7 @@ def _labelled(lines: list[str], start: int, label: str) -> tuple[str, int]:
         if match is None:
             raise WalkError(f"line {number}: expected '{label}:' and a number after MOTION, got {shown(line)}")
         return match.group(1).strip(), number
-    raise WalkError(f"line {len(lines)}: expected '{label}:' and a number, got the end of the file; {_CUT}")
+    raise WalkError(f"line {len(lines)}: expected '{label}:' and a number, got the end of the file; {CUT}")
 
 
 def _frame_count(text: str, line: int) -> int:
@@ -129,13 +119,13 @@ def _refuse_motion(rows: list[str], start: int, shape: tuple[int, int], frames_l
     if len(filled) < n_frames:
         raise WalkError(
             f"line {start + len(rows)}: expected {n_frames} lines of motion, {counts}, got {len(filled)}; "
-            f"{_CUT}, or correct the count"
+            f"{CUT}, or correct the count"
         )
 
 
 def _check_row(line: int, words: list[str], n_channels: int, *, last: bool) -> None:
     if len(words) != n_channels:
-        cut = f"; {_CUT}" if last and len(words) < n_channels else ""
+        cut = f"; {CUT}" if last and len(words) < n_channels else ""
         raise WalkError(f"line {line}: expected {n_channels} numbers, one a channel, got {len(words)}{cut}")
     for column, word in enumerate(words, 1):
         if decimal(word) is None:

@@ -5,6 +5,7 @@ Errors start with ``line 12:``; `name_file` puts the file's name before them.
 
 import csv
 import math
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from os import PathLike
@@ -15,22 +16,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigenwalker._validation import WalkError
-from eigenwalker.io._bvh_hierarchy import decimal, shown
 
 __all__ = [
     "CUT",
     "Row",
+    "decimal",
     "decode_lines",
     "join_numbers",
     "name_file",
     "number_table",
     "plain_numbers",
+    "shown",
     "split_rows",
     "write_lines",
 ]
 
 CUT = "the file seems to be cut off; get it again"
 
+_DECIMAL = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _GAPS = ("", "nan", "n/a")
 
 
@@ -72,6 +75,20 @@ def decode_lines(data: bytes, kind: str) -> list[str]:
             f"if this is {kind} with accented names, save it as UTF-8"
         ) from None
     return text.replace("\r\n", "\n").replace("\r", "\n").rstrip("\n").split("\n")
+
+
+def shown(text: str) -> str:
+    """Return `text` in quotes, shortened, for an error."""
+    text = text.strip()
+    return repr(text if len(text) <= 40 else text[:37] + "...")
+
+
+def decimal(text: str) -> float | None:
+    """Return the finite number that `text` writes, or None."""
+    if _DECIMAL.fullmatch(text) is None:
+        return None
+    value = float(text)
+    return value if math.isfinite(value) else None
 
 
 def split_rows(lines: Sequence[str], *, separator: str, first: int = 1, quotes: bool = True) -> list[Row]:

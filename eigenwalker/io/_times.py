@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigenwalker._validation import WalkError
-from eigenwalker.io._bvh_hierarchy import decimal, shown
+from eigenwalker.io._text import decimal, shown
 
-__all__ = ["check_file_rate", "rate_from_times"]
+__all__ = ["check_file_rate", "rate_from_times", "time_words"]
 
 _EVEN = 0.01  # of a frame, by which a step from frame to frame may differ from the usual one
 _SAME = 1e-3  # relative difference between two frame rates that are the same
@@ -65,6 +65,17 @@ def rate_from_times(words: Sequence[str], lines: Sequence[int], *, frame_rate: f
             f"a second, got {shown(words[-1])}, as if there were {rate:.6g} a second"
         )
     return float(rate) if frame_rate is None else frame_rate
+
+
+def time_words(n_frames: int, frame_rate: float) -> list[str]:
+    """Return the times of frames for a file, in seconds, with all their digits.
+
+    With fewer than nine decimals zeros follow: 0.0128 s alone might be a time of 78 frames a second, rounded.
+    """
+    words = [repr(time) for time in (np.arange(n_frames) / frame_rate).tolist()]
+    if any("e" in word for word in words):
+        return words
+    return [f"{seconds}.{decimals:0<9}" for seconds, _, decimals in (word.partition(".") for word in words)]
 
 
 def check_file_rate(word: str, line: int, label: str) -> float:

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from eigenwalker._validation import WalkError, check_frame_rate
 from eigenwalker.io._asf import LARGEST, AsfSkeleton, Statement, parse_asf, statements
-from eigenwalker.io._bvh_hierarchy import decimal, shown
-from eigenwalker.io._text import decode_lines, name_file
+from eigenwalker.io._text import decimal, decode_lines, name_file, shown
 from eigenwalker.io._units import check_body, check_up, meters_per_unit, to_package_axes
 from eigenwalker.motion.body import UNITS
 from eigenwalker.motion.rotations import rotvec_from_euler, unroll_rotvec

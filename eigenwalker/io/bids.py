@@ -21,9 +21,18 @@ from eigenwalker.io._bids_files import (
     read_events,
     read_sidecar,
 )
-from eigenwalker.io._bvh_hierarchy import decimal, shown
 from eigenwalker.io._markers import check_different, check_markers, check_words, make_walk
-from eigenwalker.io._text import Row, decode_lines, join_numbers, name_file, number_table, split_rows, write_lines
+from eigenwalker.io._text import (
+    Row,
+    decimal,
+    decode_lines,
+    join_numbers,
+    name_file,
+    number_table,
+    shown,
+    split_rows,
+    write_lines,
+)
 from eigenwalker.io._times import check_file_rate, rate_from_times
 from eigenwalker.io._units import check_up, to_package_axes
 from eigenwalker.motion.body import UNITS

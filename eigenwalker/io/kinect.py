@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigenwalker._validation import WalkError, check_choice, check_frame_rate
-from eigenwalker.io._bvh_hierarchy import shown
 from eigenwalker.io._markers import make_walk
-from eigenwalker.io._text import CUT, Row, decode_lines, name_file, number_table, plain_numbers, split_rows
+from eigenwalker.io._text import CUT, Row, decode_lines, name_file, number_table, plain_numbers, shown, split_rows
 from eigenwalker.io._units import to_package_axes
 from eigenwalker.motion.skeleton import TROJE15
 from eigenwalker.motion.walk import Walk

@@ -10,10 +10,18 @@ from pathlib import Path
 import numpy as np
 
 from eigenwalker._validation import WalkError, check_frame_rate, check_names
-from eigenwalker.io._bvh_hierarchy import shown
 from eigenwalker.io._markers import check_different, check_markers, check_words, make_walk
-from eigenwalker.io._text import Row, decode_lines, join_numbers, name_file, number_table, split_rows, write_lines
-from eigenwalker.io._times import rate_from_times
+from eigenwalker.io._text import (
+    Row,
+    decode_lines,
+    join_numbers,
+    name_file,
+    number_table,
+    shown,
+    split_rows,
+    write_lines,
+)
+from eigenwalker.io._times import rate_from_times, time_words
 from eigenwalker.io._units import check_up, meters_per_unit, to_package_axes
 from eigenwalker.motion.walk import JointWalk, Walk
 
@@ -195,6 +203,5 @@ def write_csv(walk: Walk | JointWalk, path: str | PathLike[str]) -> None:
     separator = "\t" if Path(path).name.lower().endswith(".tsv") else ","
     header = io.StringIO()
     csv.writer(header, delimiter=separator, lineterminator="").writerow([_TIME, *walk.channel_names])
-    times = (np.arange(walk.n_frames) / walk.frame_rate).tolist()
-    rows = zip(times, walk.channels.tolist(), strict=True)
-    write_lines(path, [header.getvalue(), *(join_numbers((time, *row), separator) for time, row in rows)])
+    rows = zip(time_words(walk.n_frames, walk.frame_rate), walk.channels.tolist(), strict=True)
+    write_lines(path, [header.getvalue(), *(time + separator + join_numbers(row, separator) for time, row in rows)])

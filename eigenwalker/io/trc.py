@@ -7,9 +7,18 @@ from pathlib import Path
 import numpy as np
 
 from eigenwalker._validation import WalkError, check_frame_rate
-from eigenwalker.io._bvh_hierarchy import shown
 from eigenwalker.io._markers import check_different, check_markers, check_words, make_walk
-from eigenwalker.io._text import CUT, Row, decode_lines, join_numbers, name_file, number_table, split_rows, write_lines
+from eigenwalker.io._text import (
+    CUT,
+    Row,
+    decode_lines,
+    join_numbers,
+    name_file,
+    number_table,
+    shown,
+    split_rows,
+    write_lines,
+)
 from eigenwalker.io._times import check_file_rate, rate_from_times
 from eigenwalker.io._units import check_up, from_opensim_axes, meters_per_unit, to_opensim_axes
 from eigenwalker.motion.body import UNITS

@@ -43,6 +43,12 @@ def test_round_trip_is_exact(folder, walk, suffix):
     assert read_csv(path, frame_rate=walk.frame_rate).frame_rate == walk.frame_rate
 
 
+def test_short_times_are_not_taken_for_rounded_ones(folder):
+    """0.0128 s is one over 78.125 Hz, and one over 78 Hz rounded to four decimals."""
+    write_csv(Walk(np.zeros((2, 1, 3)), 78.125, MarkerSet(("heel",))), folder / "two.csv")
+    assert read_csv(folder / "two.csv").frame_rate == pytest.approx(78.125, rel=1e-12)
+
+
 def test_pandas_reads_what_is_written(folder):
     walk = body(np.random.default_rng(0), gaps=5)
     write_csv(walk, folder / "anna.csv")
