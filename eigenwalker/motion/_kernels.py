@@ -251,6 +251,8 @@ def block_means(channels, block):
     """
     n_blocks, n_channels = len(channels) // block, channels.shape[1]
     means = np.zeros((n_blocks, n_channels))
+    if n_blocks > 0:
+        means[0, 0] = _read_ahead(channels)
     for position in range(n_blocks):
         for frame in range(position * block, (position + 1) * block):
             for channel in range(n_channels):

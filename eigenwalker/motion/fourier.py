@@ -73,7 +73,10 @@ def fit_harmonics(
 
 def _as_compiled(channels: NDArray[np.floating]) -> NDArray[np.float64]:
     """Return channels as the one kind of array that the compiled loops take: every other kind is compiled anew."""
-    view = np.ascontiguousarray(channels, dtype=np.float64).view()
+    array = np.ascontiguousarray(channels, dtype=np.float64)
+    if not array.flags.writeable:
+        return array
+    view = array.view()
     view.flags.writeable = False
     return view
 
