@@ -15,7 +15,7 @@ _TRUSTED = frozenset(
         "eigenwalker.model.scaling.BlockScaler",
         "eigenwalker.model.discriminant.TraitClassifier",
         "eigenwalker.model.traits.TraitRegressor",
-        "eigenwalker.motion.preparation.WalkPreparer",
+        "eigenwalker.motion.preparer.WalkPreparer",
         "eigenwalker.motion.skeleton.MarkerSet",
         "eigenwalker.motion.skeleton.Skeleton",
         "eigenwalker.motion.walk.JointWalk",

@@ -3,7 +3,6 @@
 import argparse
 from pathlib import Path
 
-from eigenwalker._collect import report_refusals
 from eigenwalker.cli._recordings import add_reading_arguments, load, reading_options
 from eigenwalker.display.plotting import StickFigureDisplay
 from eigenwalker.io.formats import WRITERS, find_ending, write_walk
@@ -40,7 +39,8 @@ def run(options: argparse.Namespace) -> None:
     base = None
     if options.base is not None:
         (base,), refusals = load([options.base], reading=reading_options(options))
-        report_refusals(refusals, 1, on_error="raise")
+        if refusals:
+            raise ValueError(refusals[0].reason)
     walk = walk_at(model, alphas, base)
     if is_picture:
         StickFigureDisplay.from_walks([walk]).figure_.savefig(options.out, dpi=150)

@@ -13,7 +13,8 @@ from eigenwalker.motion.fourier import (
 )
 from eigenwalker.motion.gait import Step, detect_events, find_steps, gait_table, heel_strikes, toe_offs
 from eigenwalker.motion.phase import phase_weights, stride_frequency
-from eigenwalker.motion.preparation import WalkPreparer, mirror_walk, prepare, prepare_walks
+from eigenwalker.motion.preparation import mirror_walk, prepare, prepare_walks
+from eigenwalker.motion.preparer import WalkPreparer
 from eigenwalker.motion.quality import WalkQuality, walk_quality
 from eigenwalker.motion.rotations import euler_from_rotvec, forward_kinematics, rotvec_from_euler, unroll_rotvec
 from eigenwalker.motion.skeleton import RIGS, TROJE15, MarkerSet, Rig, Skeleton, find_rig

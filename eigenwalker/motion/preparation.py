@@ -1,13 +1,12 @@
-"""From a recording to a walk in the treadmill frame, and back over the floor."""
+"""From a recording to a walk in the treadmill frame."""
 
 import warnings
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from sklearn.base import BaseEstimator, TransformerMixin
 
 from eigenwalker._collect import collect, report_refusals
 from eigenwalker._validation import WalkError, check_choice, check_finite, check_walks
@@ -16,7 +15,7 @@ from eigenwalker.motion.fourier import FREQUENCY_RANGE, coarse_frequency, estima
 from eigenwalker.motion.path import Path, fit_path, longest_run, stance_speed, steady_stretch, swing_direction
 from eigenwalker.motion.walk import JointWalk, Walk
 
-__all__ = ["WalkPreparer", "mirror_walk", "prepare", "prepare_walks"]
+__all__ = ["mirror_walk", "prepare", "prepare_walks"]
 
 _NEEDED = ("pelvis", "left_hip", "right_hip", "left_ankle", "right_ankle")
 _TRAVEL_SPEED = 0.15  # m/s over the whole clip; slower is swaying on a treadmill, not going anywhere
@@ -272,130 +271,3 @@ def prepare_walks(
     )
     report_refusals(refusals, len(walks), on_error=on_error, what="walks")
     return [walk for walk in results if walk is not None]
-
-
-class WalkPreparer(TransformerMixin, BaseEstimator):
-    """`prepare` as a step of a Pipeline: a list of recordings becomes a list of walks on a treadmill.
-
-    Learns nothing.
-
-    Parameters
-    ----------
-    clip : {"steady", "whole"}, default "steady"
-        See `prepare`.
-    heading : {"path", "body", None}, default "path"
-        See `prepare`.
-    treadmill : bool, default True
-        See `prepare`.
-    normalize_size : bool, default False
-        See `prepare`.
-    frequency_range : tuple of float, default (0.3, 2.5)
-        See `prepare`, in hertz.
-
-    Examples
-    --------
-    >>> from eigenwalker.datasets import make_walkers
-    >>> from eigenwalker.motion import WalkPreparer
-    >>> walks = make_walkers(2, treadmill=False, random_state=0).data
-    >>> preparer = WalkPreparer()
-    >>> treadmill = preparer.fit_transform(walks)
-    >>> back = preparer.inverse_transform(treadmill)
-    >>> bool(back[0].marker("pelvis")[-1, 0] > 5)
-    True
-    """
-
-    def __init__(
-        self,
-        *,
-        clip: str = "steady",
-        heading: str | None = "path",
-        treadmill: bool = True,
-        normalize_size: bool = False,
-        frequency_range: tuple[float, float] = FREQUENCY_RANGE,
-    ) -> None:
-        self.clip = clip
-        self.heading = heading
-        self.treadmill = treadmill
-        self.normalize_size = normalize_size
-        self.frequency_range = frequency_range
-
-    def fit(self, X: Sequence[Walk | JointWalk], y: object = None) -> Self:
-        """Check the walks' kind; there is nothing to learn.
-
-        Parameters
-        ----------
-        X : list of Walk or JointWalk
-            Recordings.
-        y : object, default None
-            Ignored.
-
-        Returns
-        -------
-        self
-        """
-        check_walks(X, kind=(Walk, JointWalk))
-        return self
-
-    def transform(self, X: Sequence[Walk | JointWalk]) -> list[Walk]:
-        """Return the prepared walks.
-
-        Parameters
-        ----------
-        X : list of Walk or JointWalk
-            Recordings.
-
-        Returns
-        -------
-        list of Walk
-
-        Raises
-        ------
-        WalkError
-            If walks are refused; names each with its reason.
-        """
-        return prepare_walks(X, **self.get_params(deep=False))
-
-    def inverse_transform(self, X: Sequence[Walk]) -> list[Walk]:
-        """Return walks over the floor and in body size.
-
-        Positions are multiplied by `size`, and every marker moves on along x with `speed`. The heading stays x, and
-        neither the bends of the original path nor the frames that were cut off come back.
-
-        Parameters
-        ----------
-        X : list of Walk
-            Prepared walks, or walks that a model made.
-
-        Returns
-        -------
-        list of Walk
-
-        Raises
-        ------
-        WalkError
-            If the speed of a walk is unknown.
-        """
-        return [self._restore(walk) for walk in check_walks(X, kind=Walk)]
-
-    def _restore(self, walk: Walk) -> Walk:
-        positions = walk.positions * walk.size
-        if self.treadmill:
-            if not np.isfinite(walk.speed):
-                raise WalkError(
-                    f"walk {walk.name!r}: its speed is unknown, so it cannot be put back on the floor; set it, "
-                    "dataclasses.replace(walk, speed=1.3), or let the model carry it, extras=('speed',)"
-                )
-            positions[:, :, 0] += (walk.speed * np.arange(walk.n_frames) / walk.frame_rate)[:, np.newaxis]
-        return replace(walk, positions=positions, size=1.0)
-
-    def __sklearn_is_fitted__(self) -> bool:
-        """Tell scikit-learn that there is nothing to fit."""
-        return True
-
-    def __sklearn_tags__(self):
-        """Tell scikit-learn that the input is a list of walks."""
-        tags = super().__sklearn_tags__()
-        tags.input_tags.two_d_array = False
-        tags.requires_fit = False
-        tags.no_validation = True
-        return tags
