@@ -1,7 +1,7 @@
 """Walks as points of a linear space: Fourier coefficients (Troje 2002, section 2) and their scaling."""
 
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Self
 
@@ -11,7 +11,7 @@ from sklearn.base import BaseEstimator, TransformerMixin
 from sklearn.utils.validation import check_array, check_is_fitted
 
 from eigenwalker._validation import WalkError, check_finite, check_walks
-from eigenwalker.motion.fourier import evaluate_harmonics, explained_power, fit_harmonics, reference_phase, shift_phase
+from eigenwalker.motion.fourier import evaluate_harmonics, explained_by, fit_harmonics, reference_phase, shift_phase
 from eigenwalker.motion.phase import find_stride, phase_weights
 from eigenwalker.motion.walk import JointWalk, Walk
 
@@ -139,11 +139,10 @@ class FourierLinearizer(TransformerMixin, BaseEstimator):
         weights = phase_weights(self.template_, self.phase_reference)
         vectors = np.empty((len(walks), len(self.get_feature_names_out())))
         poor = []
-        for vector, walk in zip(vectors, walks, strict=True):
-            check_finite(walk.channels, walk.channel_names, walk=walk.name)
-            frequency = find_stride(walk.channels, walk.frame_rate, weights, name=walk.name)
-            self._write_vector(vector, walk, frequency, weights)
-            power = explained_power(walk.channels, walk.frame_rate, frequency, self.n_harmonics)
+        for vector, (walk, frequency, coefficients, power) in zip(vectors, self._fit_each(walks), strict=True):
+            aligned = shift_phase(coefficients, reference_phase(coefficients, weights))
+            vector[: aligned.size] = aligned.ravel()  # (2 K + 1, n_channels) -> blocks one after the other
+            vector[aligned.size :] = [frequency, *self._extras_of(walk)]
             if power < self.warn_below:
                 poor.append(f"{walk.name!r} {power:.0%}")
         if poor:
@@ -193,13 +192,8 @@ class FourierLinearizer(TransformerMixin, BaseEstimator):
         ndarray of shape (n_walks,)
         """
         check_is_fitted(self)
-        weights = phase_weights(self.template_, self.phase_reference)
-        shares = []
-        for walk in self._check_channels(check_walks(walks, kind=(Walk, JointWalk))):
-            check_finite(walk.channels, walk.channel_names, walk=walk.name)
-            frequency = find_stride(walk.channels, walk.frame_rate, weights, name=walk.name)
-            shares.append(1.0 - explained_power(walk.channels, walk.frame_rate, frequency, self.n_harmonics))
-        return np.array(shares)
+        walks = self._check_channels(check_walks(walks, kind=(Walk, JointWalk)))
+        return np.array([1.0 - power for *_, power in self._fit_each(walks)])
 
     def get_feature_names_out(self, input_features: object = None) -> NDArray[np.object_]:
         """Return the names of the features: ``mean_head_x`` ... ``cos2_right_ankle_z``, ``frequency``, the extras.
@@ -227,11 +221,19 @@ class FourierLinearizer(TransformerMixin, BaseEstimator):
                 )
         return walks
 
-    def _write_vector(
-        self, vector: NDArray[np.float64], walk: Walk | JointWalk, frequency: float, weights: NDArray[np.float64]
-    ) -> None:
-        coefficients = fit_harmonics(walk.channels, walk.frame_rate, frequency, self.n_harmonics)
-        coefficients = shift_phase(coefficients, reference_phase(coefficients, weights))
+    def _fit_each(
+        self, walks: list[Walk | JointWalk]
+    ) -> Iterator[tuple[Walk | JointWalk, float, NDArray[np.float64], float]]:
+        """Yield each walk with its frequency, its coefficients from its first frame on, and its explained power."""
+        weights = phase_weights(self.template_, self.phase_reference)
+        for walk in walks:
+            channels = walk.channels
+            check_finite(channels, walk.channel_names, walk=walk.name)
+            frequency = find_stride(channels, walk.frame_rate, weights, name=walk.name)
+            coefficients = fit_harmonics(channels, walk.frame_rate, frequency, self.n_harmonics)
+            yield walk, frequency, coefficients, explained_by(coefficients, channels, walk.frame_rate, frequency)
+
+    def _extras_of(self, walk: Walk | JointWalk) -> list[float]:
         extras = [getattr(walk, name) for name in self.extras]
         if not np.isfinite(extras).all():
             unknown = [name for name, value in zip(self.extras, extras, strict=True) if not np.isfinite(value)]
@@ -239,8 +241,7 @@ class FourierLinearizer(TransformerMixin, BaseEstimator):
                 f"walk {walk.name!r}: its {' and '.join(unknown)} must be known to be a feature; set it, "
                 "dataclasses.replace(walk, speed=1.3), or leave it out of extras"
             )
-        vector[: coefficients.size] = coefficients.ravel()  # (2 K + 1, n_channels) -> blocks one after the other
-        vector[coefficients.size :] = [frequency, *extras]
+        return extras
 
     def _to_walk(self, vector: NDArray[np.float64], name: str) -> Walk | JointWalk:
         n_rows = 2 * self.n_harmonics + 1

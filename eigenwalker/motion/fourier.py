@@ -17,6 +17,7 @@ __all__ = [
     "coarse_frequency",
     "estimate_frequency",
     "evaluate_harmonics",
+    "explained_by",
     "explained_power",
     "fit_harmonics",
     "reference_phase",
@@ -207,6 +208,13 @@ def explained_power(channels: NDArray[np.floating], frame_rate: float, frequency
     float
     """
     coefficients = fit_harmonics(channels, frame_rate, frequency, n_harmonics)
+    return explained_by(coefficients, channels, frame_rate, frequency)
+
+
+def explained_by(
+    coefficients: NDArray[np.floating], channels: NDArray[np.floating], frame_rate: float, frequency: float
+) -> float:
+    """Return the `explained_power` of coefficients that `fit_harmonics` has fitted already."""
     fitted = evaluate_harmonics(coefficients, frequency, np.arange(len(channels)) / frame_rate)
     residual = channels - fitted
     about_mean = channels - channels.mean(axis=0, dtype=np.float64)
