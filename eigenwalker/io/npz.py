@@ -61,6 +61,7 @@ def write_npz(walk: Walk | JointWalk, path: str | PathLike[str]) -> None:
         "name": walk.name,
         "frame_rate": walk.frame_rate,
         "speed": None if math.isnan(walk.speed) else walk.speed,
+        "frequency": None if math.isnan(walk.frequency) else walk.frequency,
         "size": walk.size,
         "events": [list(event) for event in walk.events],
         **fields,
@@ -162,6 +163,7 @@ def _build(fields: dict[str, Any], arrays: dict[str, NDArray], name: str | None)
         "frame_rate": fields["frame_rate"],
         "name": fields["name"] if name is None else name,
         "speed": math.nan if fields["speed"] is None else fields["speed"],
+        "frequency": math.nan if fields["frequency"] is None else fields["frequency"],
         "size": fields["size"],
         "events": tuple(Event(float(time), str(kind), str(side)) for time, kind, side in fields["events"]),
     }

@@ -1,5 +1,6 @@
 """Walks as points of a linear space: Fourier coefficients (Troje 2002, section 2) and their scaling."""
 
+import math
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -25,7 +26,8 @@ class FourierLinearizer(TransformerMixin, BaseEstimator):
 
     .. math:: p(t) = p_0 + \sum_{k=1}^{K} s_k \sin(k \omega t) + c_k \cos(k \omega t) + err
 
-    (Troje 2002, Eq. 1.) The frequency is found by variable projection on all channels; time zero is where the first
+    (Troje 2002, Eq. 1.) The frequency is the walk's own where it is known, `Walk.frequency`, else it is found by
+    variable projection on all channels; time zero is where the first
     harmonic of the phase reference is a pure cosine with positive sign, so that all walks are in the same phase.
     With 15 markers and 2 harmonics a walk has 5 x 45 + 1 = 226 features.
 
@@ -229,7 +231,7 @@ class FourierLinearizer(TransformerMixin, BaseEstimator):
         for walk in walks:
             channels = walk.channels
             check_finite(channels, walk.channel_names, walk=walk.name)
-            frequency = find_stride(channels, walk.frame_rate, weights, name=walk.name)
+            frequency = find_stride(channels, walk.frame_rate, weights, known=walk.frequency, name=walk.name)
             coefficients = fit_harmonics(channels, walk.frame_rate, frequency, self.n_harmonics)
             yield walk, frequency, coefficients, explained_by(coefficients, channels, walk.frame_rate, frequency)
 
@@ -273,7 +275,7 @@ class FourierLinearizer(TransformerMixin, BaseEstimator):
 
 def _one_frame(walk: Walk | JointWalk) -> Walk | JointWalk:
     """Keep the kind and the channels of a walk, and one frame, without what is its own."""
-    plain: dict[str, Any] = {"name": "", "speed": float("nan"), "size": 1.0, "events": ()}
+    plain: dict[str, Any] = {"name": "", "speed": math.nan, "size": 1.0, "events": (), "frequency": math.nan}
     if isinstance(walk, JointWalk):
         still = {joint: path[:1] for joint, path in walk.translations.items()}
         return replace(walk, rotations=walk.rotations[:1], root=walk.root[:1], translations=still, **plain)

@@ -1,5 +1,6 @@
 """The signal that tells where in its stride a walk is, and the stride frequency."""
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -58,8 +59,9 @@ def stride_frequency(
 ) -> float:
     """Return the stride frequency of a walk in place: the fundamental of all its channels, in hertz.
 
-    The first guess comes from the phase reference, in which left and right differ, so that it is the stride's and
-    not the step's; variable projection on all channels makes it exact.
+    It is the walk's own `frequency` where that is known. Else the first guess comes from the phase reference, in which
+    left and right differ, so that it is the stride's and not the step's; variable projection on all channels makes it
+    exact.
 
     Parameters
     ----------
@@ -76,7 +78,14 @@ def stride_frequency(
         If the walk has no period in the range, or less than one stride.
     """
     weights = phase_weights(walk, phase_reference)
-    return find_stride(walk.channels, walk.frame_rate, weights, frequency_range=frequency_range, name=walk.name)
+    return find_stride(
+        walk.channels,
+        walk.frame_rate,
+        weights,
+        known=walk.frequency,
+        frequency_range=frequency_range,
+        name=walk.name,
+    )
 
 
 def find_stride(
@@ -84,10 +93,14 @@ def find_stride(
     frame_rate: float,
     weights: NDArray[np.floating],
     *,
+    known: float = math.nan,
     frequency_range: tuple[float, float] = FREQUENCY_RANGE,
     name: str = "",
 ) -> float:
-    """Return the stride frequency in hertz, from channels (n_frames, n_channels) and the weights of `phase_weights`."""
+    """Return the stride frequency in hertz, from channels (n_frames, n_channels) and the weights of `phase_weights`.
+
+    Where it is `known` already it is only checked that there is a stride and a phase.
+    """
     used = weights.nonzero()[0]
     picked = channels[:, used]
     reference = picked @ weights[used]
@@ -96,8 +109,10 @@ def find_stride(
             f"walk {name!r}: the phase reference is too weak to carry a phase, it does not move at all; "
             "are left and right markers different, or is another phase_reference needed?"
         )
-    start = coarse_frequency(reference, frame_rate, frequency_range=frequency_range, name=name)
-    frequency = estimate_frequency(channels, frame_rate, start=start)
+    frequency = known
+    if math.isnan(known):
+        start = coarse_frequency(reference, frame_rate, frequency_range=frequency_range, name=name)
+        frequency = estimate_frequency(channels, frame_rate, start=start)
     n_strides = frequency * len(channels) / frame_rate
     if n_strides < 1 - 2 / len(channels):  # a stride cut from strike to strike may lack a frame
         raise WalkError(

@@ -56,6 +56,8 @@ class Walk:
         The factor by which the positions were divided to take body size out.
     events : tuple of Event, default ()
         Known events, ordered by time.
+    frequency : float, default NaN
+        Strides per second, where they are known from events or from a file; NaN leaves them to be found in the motion.
 
     Examples
     --------
@@ -73,6 +75,7 @@ class Walk:
     speed: float = float("nan")
     size: float = 1.0
     events: tuple[Event, ...] = ()
+    frequency: float = float("nan")
 
     def __post_init__(self) -> None:
         if not isinstance(self.marker_set, MarkerSet):
@@ -145,6 +148,8 @@ class JointWalk:
         named stay at their offset in the skeleton.
     events : tuple of Event, default ()
         Known events, ordered by time.
+    frequency : float, default NaN
+        Strides per second, where they are known from events or from a file; NaN leaves them to be found in the motion.
     """
 
     rotations: NDArray[np.floating]
@@ -156,6 +161,7 @@ class JointWalk:
     size: float = 1.0
     translations: Mapping[str, NDArray[np.floating]] = field(default_factory=dict)
     events: tuple[Event, ...] = ()
+    frequency: float = float("nan")
 
     def __post_init__(self) -> None:
         if not isinstance(self.skeleton, Skeleton):
@@ -245,7 +251,7 @@ class JointWalk:
         Returns
         -------
         Walk
-            With `TROJE15` markers and this walk's name, frame rate, speed and size.
+            With `TROJE15` markers, and everything else as in this walk.
 
         Raises
         ------
@@ -255,7 +261,8 @@ class JointWalk:
         names = self.skeleton.joint_names
         weights = (rig or find_rig(names)).weights(names)
         positions = np.matmul(weights, self.joint_positions())  # (15, J) @ (T, J, 3) -> (T, 15, 3)
-        return Walk(positions, self.frame_rate, TROJE15, self.name, self.speed, self.size, self.events)
+        known = {"speed": self.speed, "size": self.size, "events": self.events, "frequency": self.frequency}
+        return Walk(positions, self.frame_rate, TROJE15, self.name, **known)
 
     def _local_positions(self) -> NDArray[np.float64]:
         """Position of each joint in its parent's frame, shape (n_frames, n_joints, 3)."""
@@ -276,6 +283,9 @@ def _check_common(walk: Walk | JointWalk) -> None:
     object.__setattr__(walk, "size", float(walk.size))
     if not (np.isfinite(walk.size) and walk.size > 0):
         raise ValueError(f"size must be positive and finite, got {walk.size}")
+    object.__setattr__(walk, "frequency", float(walk.frequency))
+    if not (np.isnan(walk.frequency) or 0 < walk.frequency < np.inf):
+        raise ValueError(f"frequency must be positive and finite, or NaN where unknown, got {walk.frequency}")
     wrong = [event for event in walk.events if not (isinstance(event, Event) and np.isfinite(event.time))]
     if wrong:
         raise TypeError(f"events must be Event(time, kind, side) with finite times, got {wrong[0]!r}")

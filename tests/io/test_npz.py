@@ -34,6 +34,7 @@ def _joint_walk(rng):
         59.94,
         "eva",
         speed=1.25,
+        frequency=0.93,
         size=1.7,
         translations={"Knie é": rng.normal(size=(4, 3))},
         events=(Event(0.5, "toe_off", "right"), Event(0.25, "stumble")),
@@ -78,7 +79,7 @@ def test_joint_walks_come_back(folder):
     assert isinstance(back, JointWalk)
     for field in fields(Skeleton):
         assert_array_equal(getattr(back.skeleton, field.name), getattr(walk.skeleton, field.name), strict=False)
-    for name in ("rotations", "root", "frame_rate", "name", "speed", "size"):
+    for name in ("rotations", "root", "frame_rate", "name", "speed", "size", "frequency"):
         assert_array_equal(getattr(back, name), getattr(walk, name))
     assert back.events == walk.events
     assert list(back.translations) == ["Knie é"]

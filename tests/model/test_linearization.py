@@ -91,6 +91,15 @@ def test_a_given_phase_reference_is_used():
     assert table["cos1_right_ankle_x"].item() > 0
 
 
+def test_a_known_frequency_is_taken_and_no_other_looked_for():
+    walk, coefficients = make_walk(np.random.default_rng(0), n_cycles=1, frequency=0.93, noise=0.01)
+    linearizer = FourierLinearizer().fit([walk])
+    (searched,), (known,) = (linearizer.transform([item]) for item in (walk, replace(walk, frequency=0.93)))
+    assert known[-1] == 0.93
+    assert searched[-1] != known[-1]
+    assert_allclose(known[:-1], coefficients.ravel(), atol=0.01)
+
+
 def test_residual_power_is_what_the_harmonics_leave():
     clean, noisy = make_walk(np.random.default_rng(0))[0], make_walk(np.random.default_rng(0), noise=0.05)[0]
     powers = FourierLinearizer().fit([clean]).residual_power([clean, noisy])

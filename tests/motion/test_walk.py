@@ -67,6 +67,7 @@ def test_the_array_passed_in_is_not_shared():
         ({"marker_set": "troje"}, TypeError, "marker_set must be a MarkerSet, got str"),
         ({"name": 3}, TypeError, "name must be a string"),
         ({"size": 0.0}, ValueError, "size must be positive"),
+        ({"frequency": -1.0}, ValueError, "frequency must be positive and finite, or NaN where unknown, got -1"),
         (
             {"events": ("strike",)},
             TypeError,
