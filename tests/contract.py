@@ -18,7 +18,9 @@ __all__ = ["CHECKS"]
 def _values(output):
     """Turn whatever a transformer returns into one array that can be compared."""
     if isinstance(output, list):
-        return np.concatenate([np.append(walk.channels.ravel(), [walk.speed, walk.size, walk.frequency]) for walk in output])
+        return np.concatenate(
+            [np.append(walk.channels.ravel(), [walk.speed, walk.size, walk.frequency]) for walk in output]
+        )
     return np.asarray(output)
 
 

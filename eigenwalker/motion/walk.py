@@ -261,8 +261,7 @@ class JointWalk:
         names = self.skeleton.joint_names
         weights = (rig or find_rig(names)).weights(names)
         positions = np.matmul(weights, self.joint_positions())  # (15, J) @ (T, J, 3) -> (T, 15, 3)
-        known = {"speed": self.speed, "size": self.size, "events": self.events, "frequency": self.frequency}
-        return Walk(positions, self.frame_rate, TROJE15, self.name, **known)
+        return Walk(positions, self.frame_rate, TROJE15, self.name, self.speed, self.size, self.events, self.frequency)
 
     def _local_positions(self) -> NDArray[np.float64]:
         """Position of each joint in its parent's frame, shape (n_frames, n_joints, 3)."""
