@@ -72,7 +72,7 @@ def _print_results(model: Pipeline, matrix: NDArray[np.float64], traits: pd.Data
     print(f"15 Eigenwalkers hold {variance:.0%} of the variance of 80 walkers {_NOTE}")
     gender = permutation_test(matrix, codes[:, 0], n_permutations=10_000, random_state=0)
     print(
-        f"gender of a walker left out is told with accuracy {gender.accuracy:.0%}, "
+        f"gender of a walker left out is told with accuracy {gender.score:.0%}, "
         f"permutation p = {gender.p_value:.4f} {_NOTE}"
     )
     for column, trait in enumerate(traits.columns[1:], start=1):

@@ -55,7 +55,9 @@ def run(options: argparse.Namespace) -> None:
         labels = labels_from_table(options.labels, options.files, columns)
     else:
         labels = labels_from_names(options.label_pattern, options.files, columns)
-    walks, refusals = load(options.files, reading=reading_options(options), n_jobs=options.jobs)
+    walks, refusals = load(
+        options.files, reading=reading_options(options), markers=options.markers, n_jobs=options.jobs
+    )
     used = np.array([walk is not None for walk in walks])
     _report_refusals(refusals, labels, used, options)
     kept = [walk for walk in walks if walk is not None]

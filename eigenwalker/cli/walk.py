@@ -38,7 +38,7 @@ def run(options: argparse.Namespace) -> None:
     model = load_model(options.model)
     base = None
     if options.base is not None:
-        (base,), refusals = load([options.base], reading=reading_options(options))
+        (base,), refusals = load([options.base], reading=reading_options(options), markers=options.markers)
         if refusals:
             raise ValueError(refusals[0].reason)
     walk = walk_at(model, alphas, base)

@@ -8,13 +8,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from eigenwalker._validation import check_choice
+from eigenwalker._validation import WalkError, check_choice
 from eigenwalker.motion.body import UNITS, check_leg_length
-from eigenwalker.motion.skeleton import find_rig
+from eigenwalker.motion.rigs import find_rig
 from eigenwalker.motion.walk import JointWalk
 
 __all__ = [
     "check_body",
+    "check_room",
     "check_up",
     "from_opensim_axes",
     "from_package_axes",
@@ -25,6 +26,8 @@ __all__ = [
     "to_package_order",
 ]
 
+_ALWAYS_ROOM = 2**27  # bytes of rotations
+_MOST_TIMES = 8  # as large as the file
 _AXES = {"y": (2, 0, 1), "z": (0, 1, 2)}  # which axis of the file becomes x, y and z
 
 
@@ -102,6 +105,26 @@ def to_opensim_axes(vectors: NDArray[np.floating], up: str) -> NDArray[np.floati
     if up == "z":
         return vectors
     return np.stack((vectors[..., 0], vectors[..., 2], -vectors[..., 1]), axis=-1)
+
+
+def check_room(n_joints: int, n_frames: int, n_bytes: int, *, line: int) -> None:
+    """Raise if joints without values would make a walk many times as large as its file.
+
+    Parameters
+    ----------
+    n_joints, n_frames : int
+        Three doubles each are kept for every joint in every frame.
+    n_bytes : int
+        Size of the file. Where all joints have values it is a quarter of that or more, even if all are zeros.
+    line : int
+        The line for the error.
+    """
+    size = 24 * n_joints * n_frames
+    if size > max(_ALWAYS_ROOM, _MOST_TIMES * n_bytes):
+        raise WalkError(
+            f"line {line}: expected joints that turn, got {n_joints} joints in {n_frames} frames, {size / 1e9:.1f} GB "
+            f"from a file of {n_bytes / 1e6:.1f} MB; remove the joints that never turn"
+        )
 
 
 def check_body(walk: JointWalk, path: Path, unit: str | float) -> None:

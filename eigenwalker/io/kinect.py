@@ -7,14 +7,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from eigenwalker._validation import WalkError, check_choice, check_frame_rate
+from eigenwalker._validation import WalkError, check_frame_rate
 from eigenwalker.io._markers import make_walk
 from eigenwalker.io._text import CUT, Row, decode_lines, name_file, number_table, plain_numbers, shown, split_rows
 from eigenwalker.io._units import to_package_axes
-from eigenwalker.motion.skeleton import TROJE15
 from eigenwalker.motion.walk import Walk
 
-__all__ = ["KINECT_TO_TROJE15", "read_kinect"]
+__all__ = ["read_kinect"]
 
 _PAIRS = ("Shoulder", "Elbow", "Wrist", "Hand", "Hip", "Knee", "Ankle", "Foot")
 _JOINTS = {
@@ -27,20 +26,8 @@ _JOINTS = {
 }
 _N_JOINTS = 20
 
-KINECT_TO_TROJE15: dict[str, dict[str, float]] = {
-    "clavicle": {"shoulder_center": 1.0},
-    "pelvis": {"left_hip": 0.5, "right_hip": 0.5},
-    **{marker: {marker: 1.0} for marker in TROJE15.names if marker not in ("clavicle", "pelvis")},
-}
-"""For each marker of `TROJE15` the joints of the Kinect it lies between, with weights that sum to one.
 
-The pelvis is the middle between the hips, as in the other rigs; the Kinect's ``hip_center`` lies some 5 cm above it.
-"""
-
-
-def read_kinect(
-    path: str | PathLike[str], *, frame_rate: float = 30.0, markers: str = "kinect", name: str | None = None
-) -> Walk:
+def read_kinect(path: str | PathLike[str], *, frame_rate: float = 30.0, name: str | None = None) -> Walk:
     """Return the walk in a text file of the first Kinect.
 
     Parameters
@@ -49,18 +36,17 @@ def read_kinect(
         The file: a line ``Head;x;y;z``, the other 19 joints in any order, then the next frame in the same order.
     frame_rate : float, default 30.0
         Frames per second, which the file does not say. A Kinect delivers about 30.
-    markers : {"kinect", "troje15"}, default "kinect"
-        "kinect" are the 20 joints as they are, ``left_ankle``, ``hip_center``, ``shoulder_center`` and so on, in the
-        order of the file. "troje15" are the 15 markers of Troje 2002, made by `KINECT_TO_TROJE15`.
     name : str, default None
         Name of the walk. None is the file's name without its suffix.
 
     Returns
     -------
     Walk
-        In metres. The camera's x points to its left, y up and z along its view; the cyclic permutation (z, x, y)
-        makes that right-handed with z up. x points away from the camera and not where the walker goes, until
-        `prepare` turns the heading to x. Empty coordinates and ``nan`` are gaps.
+        In metres. The 20 joints as they are, ``left_ankle``, ``hip_center``, ``shoulder_center`` and so on, in the
+        order of the file; `Walk.to_markers` makes the 15 markers of them. The camera's x points to its left, y up and
+        z along its view; the cyclic permutation (z, x, y) makes that right-handed with z up. x points away from the
+        camera and not where the walker goes, until `prepare` turns the heading to x. Empty coordinates and ``nan``
+        are gaps.
 
     Raises
     ------
@@ -76,9 +62,8 @@ def read_kinect(
     Examples
     --------
     >>> from eigenwalker.io import read_kinect
-    >>> walk = read_kinect("Person001/1.txt", markers="troje15", name="Person001_1")  # doctest: +SKIP
+    >>> walk = read_kinect("Person001/1.txt", name="Person001_1").to_markers()  # doctest: +SKIP
     """
-    check_choice(markers, ("kinect", "troje15"), name="markers")
     rate = check_frame_rate(frame_rate)
     path = Path(path)
     data = path.read_bytes()
@@ -86,8 +71,6 @@ def read_kinect(
         lines = decode_lines(data, "a Kinect recording")
         names, camera = _read_whole(lines) or _read_rows(lines)
     positions = to_package_axes(camera, "y")
-    if markers == "troje15":
-        positions, names = _to_troje15(positions, names), list(TROJE15.names)
     return make_walk(positions, rate, names, path=path, name=path.stem if name is None else name, unit="m")
 
 
@@ -143,12 +126,3 @@ def _check_first_frame(rows: Sequence[Row], first: Sequence[str]) -> None:
         seen.add(_JOINTS[title])
     if len(first) < _N_JOINTS:
         raise WalkError(f"line {rows[-1].line}: expected {_N_JOINTS} joints a frame, got {len(first)}; {CUT}")
-
-
-def _to_troje15(positions: NDArray[np.floating], names: Sequence[str]) -> NDArray[np.floating]:
-    """Return the 15 markers, shape (n_frames, 15, 3)."""
-    markers = [
-        sum(weight * positions[:, names.index(joint)] for joint, weight in KINECT_TO_TROJE15[marker].items())
-        for marker in TROJE15.names
-    ]
-    return np.stack(markers, axis=1)

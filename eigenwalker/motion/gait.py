@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy.signal import butter, find_peaks, sosfiltfilt
+from scipy.signal import find_peaks, savgol_filter
 
 from eigenwalker._validation import WalkError, check_choice, check_finite, check_walks
 from eigenwalker.motion.walk import Event, Walk
@@ -16,8 +16,9 @@ from eigenwalker.motion.walk import Event, Walk
 __all__ = ["Step", "detect_events", "find_steps", "gait_table", "heel_strikes", "toe_offs"]
 
 SIDES = ("left", "right")
-_CUTOFF = 5.0  # hertz; keeps the swing of a foot, not the noise of a marker
+_WINDOW = 0.2  # seconds, over which cubics smooth: they keep what is below some 7 Hz
 _PROMINENCE = 0.35  # of the range of the signal
+_CERTAIN = 4.0  # times the noise by which a foot must have turned back before the recording ends
 _STILL = 0.05  # metres of range below which a foot does not walk
 
 
@@ -44,8 +45,10 @@ def heel_strikes(walk: Walk, side: str, *, marker: str | None = None) -> NDArray
     """Return the times of heel strikes of one foot.
 
     The heel strikes when the foot is furthest in front of the pelvis (Zeni, Richards & Higginson 2008, Gait Posture
-    27, 710-714); low-passed at 5 Hz without delay, and with the top of the parabola through three frames. Events that
-    the walk itself holds are preferred.
+    27, 710-714). The distance is smoothed by cubics over 0.2 s (Savitzky & Golay 1964, Anal. Chem. 36, 1627-1639),
+    which need no frames beyond the ends as the low-pass filter of the source does, so that strikes within the first
+    and last frames of a short pass are found; the top is that of the parabola through three frames. Events that the
+    walk itself holds are preferred.
 
     Parameters
     ----------
@@ -71,6 +74,9 @@ def heel_strikes(walk: Walk, side: str, *, marker: str | None = None) -> NDArray
 
 def toe_offs(walk: Walk, side: str, *, marker: str | None = None) -> NDArray[np.float64]:
     """Return the times at which one foot leaves the floor: when it is furthest behind the pelvis.
+
+    Found as in `heel_strikes`. The ankle swings forward while the toe still pushes: without a marker on the toe, toe
+    offs come some 40 ms early (`Walk.to_markers` keeps heels and toes with ``feet=True``).
 
     Parameters
     ----------
@@ -118,16 +124,28 @@ def _ahead_of_pelvis(walk: Walk, side: str, marker: str | None, choices: Sequenc
 
 
 def _peaks(signal: NDArray[np.float64], frame_rate: float) -> NDArray[np.float64]:
-    """Return the times of the clear maxima of a signal, between frames."""
-    if frame_rate > 2 * _CUTOFF and len(signal) > 9:
-        filters = butter(2, _CUTOFF, fs=frame_rate, output="sos")
-        signal = sosfiltfilt(filters, signal, padlen=min(len(signal) - 1, int(frame_rate)))
-    reach = np.ptp(signal)
-    if reach < _STILL:
+    """Return the times of the clear maxima of a signal, between frames.
+
+    A maximum stands out from the minima on both sides. Near an end of the recording there is no minimum on one side;
+    there the signal must have come down from it by more than noise could.
+    """
+    if np.ptp(signal) < _STILL or len(signal) < 5:
         return np.empty(0)
-    peaks, _ = find_peaks(signal, prominence=_PROMINENCE * reach)
-    before, top, after = signal[peaks - 1], signal[peaks], signal[peaks + 1]
+    smooth = _smooth(signal, frame_rate)
+    floor = np.pad(smooth, 1, constant_values=smooth.min())  # an end counts as the deepest minimum
+    peaks = find_peaks(floor, prominence=_PROMINENCE * np.ptp(smooth))[0] - 1
+    peaks = peaks[(peaks > 0) & (peaks < len(smooth) - 1)]
+    turned = _CERTAIN * np.std(np.diff(signal, 3)) / np.sqrt(20)  # 20 = 1 + 9 + 9 + 1: white noise in third differences
+    sure = [min(smooth[peak] - part.min() for part in (smooth[:peak], smooth[peak:])) > turned for peak in peaks]
+    peaks = peaks[np.array(sure, dtype=bool)]
+    before, top, after = smooth[peaks - 1], smooth[peaks], smooth[peaks + 1]
     return (peaks + 0.5 * (before - after) / (before - 2 * top + after)) / frame_rate
+
+
+def _smooth(signal: NDArray[np.float64], frame_rate: float) -> NDArray[np.float64]:
+    """Return a signal smoothed by cubics, up to its ends, which a filter that needs padding would bend."""
+    window = max(5, 2 * round(_WINDOW * frame_rate / 2) + 1)
+    return savgol_filter(signal, window, 3) if len(signal) >= window else signal
 
 
 def detect_events(walk: Walk) -> Walk:

@@ -1,6 +1,6 @@
-"""Names and anatomy: marker sets, skeletons, and the rigs that lead from one to the other."""
+"""Names and anatomy: marker sets and skeletons."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from eigenwalker._validation import check_array, check_names, restore_read_only
 
-__all__ = ["RIGS", "TROJE15", "MarkerSet", "Rig", "Skeleton", "find_rig"]
+__all__ = ["FEET", "TROJE15", "TROJE15_AND_FEET", "MarkerSet", "Skeleton"]
 
 
 @dataclass(frozen=True)
@@ -83,6 +83,14 @@ TROJE15 = MarkerSet(
 )
 """The 15 virtual markers of Troje 2002, section 2, in the order of this package."""
 
+FEET = tuple(f"{side}_{end}" for side in ("left", "right") for end in ("heel", "toe"))
+"""Markers of the feet, which say when they touch the floor. The model does without them."""
+
+TROJE15_AND_FEET = MarkerSet(
+    (*TROJE15.names, *FEET),
+    (*TROJE15.sticks, *((f"{side}_{end}", f"{side}_heel") for side in ("left", "right") for end in ("ankle", "toe"))),
+)
+
 
 @dataclass(frozen=True, eq=False)
 class Skeleton:
@@ -148,152 +156,3 @@ def _check_orders(orders: Iterable[str], n_joints: int) -> tuple[str, ...]:
     if len(result) != n_joints or any(sorted(order) != ["X", "Y", "Z"] for order in result):
         raise ValueError(f"rotation_orders must be {n_joints} orders of X, Y and Z, one a joint, got {result}")
     return result
-
-
-@dataclass(frozen=True)
-class Rig:
-    """How the joints of one family of skeletons lead to the 15 markers.
-
-    Parameters
-    ----------
-    name : str
-        What the family is called.
-    markers : mapping of str to (mapping of str to float)
-        For each marker of `TROJE15` the joints it lies between, with weights that sum to one.
-        A weight beyond one carries the marker past a joint along a bone.
-    hip_flexion : mapping of str to float
-        Channels of a `JointWalk`, with weights, whose sum is left minus right hip flexion. Empty where no channels
-        say so for all walks of the rig.
-    """
-
-    name: str
-    markers: Mapping[str, Mapping[str, float]]
-    hip_flexion: Mapping[str, float] = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        missing = [name for name in TROJE15.names if name not in self.markers]
-        if missing:
-            raise ValueError(f"rig {self.name!r} must place all 15 markers; it lacks {', '.join(missing)}")
-        uneven = [name for name, joints in self.markers.items() if abs(sum(joints.values()) - 1) > 1e-9]
-        if uneven:
-            raise ValueError(f"rig {self.name!r}: weights must sum to one, but not for {', '.join(uneven)}")
-
-    @property
-    def joint_names(self) -> frozenset[str]:
-        """The joints this rig needs."""
-        return frozenset(joint for joints in self.markers.values() for joint in joints)
-
-    def weights(self, joint_names: Iterable[str]) -> NDArray[np.float64]:
-        """Return the matrix, shape (15, n_joints), that turns joint positions into markers."""
-        names = tuple(joint_names)
-        missing = sorted(self.joint_names - set(names))
-        if missing:
-            raise ValueError(f"rig {self.name!r} needs joints {', '.join(missing)}; found {', '.join(names)}")
-        matrix = np.zeros((len(TROJE15.names), len(names)))
-        for row, marker in enumerate(TROJE15.names):
-            for joint, weight in self.markers[marker].items():
-                matrix[row, names.index(joint)] = weight
-        return matrix
-
-
-def _rig(name: str, *, trunk: dict[str, dict[str, float]], limbs: dict[str, str], flexion: dict[str, float]) -> Rig:
-    """Build a rig from its trunk and the pair of joints, "left|right", under each marker of the limbs."""
-    markers = dict(trunk)
-    for marker, pair in limbs.items():
-        left, right = pair.split("|")
-        markers[f"left_{marker}"] = {left: 1.0}
-        markers[f"right_{marker}"] = {right: 1.0}
-    return Rig(name, markers, flexion)
-
-
-# The centre of the head lies above the joint between neck and skull. Where the file has no tip
-# of the head, it is reached by carrying on along the neck.
-_BANDAI = _rig(
-    "bandai",
-    trunk={
-        "head": {"Head": 2.0, "Neck": -1.0},
-        "clavicle": {"Shoulder_L": 0.5, "Shoulder_R": 0.5},
-        "pelvis": {"UpperLeg_L": 0.5, "UpperLeg_R": 0.5},
-    },
-    limbs={
-        "shoulder": "UpperArm_L|UpperArm_R",
-        "elbow": "LowerArm_L|LowerArm_R",
-        "wrist": "Hand_L|Hand_R",
-        "hip": "UpperLeg_L|UpperLeg_R",
-        "knee": "LowerLeg_L|LowerLeg_R",
-        "ankle": "Foot_L|Foot_R",
-    },
-    flexion={},  # the maps of its hips lie near a half turn, where their sign is a matter of the first frame
-)
-_LIMB_JOINTS = {
-    "shoulder": "LeftArm|RightArm",
-    "elbow": "LeftForeArm|RightForeArm",
-    "wrist": "LeftHand|RightHand",
-    "hip": "LeftUpLeg|RightUpLeg",
-    "knee": "LeftLeg|RightLeg",
-    "ankle": "LeftFoot|RightFoot",
-}
-_CMU = _rig(
-    "cmu",
-    trunk={
-        "head": {"Head": 1.5, "Neck1": -0.5},
-        "clavicle": {"Neck": 1.0},
-        "pelvis": {"LeftUpLeg": 0.5, "RightUpLeg": 0.5},
-    },
-    limbs=_LIMB_JOINTS,
-    flexion={"LeftUpLeg_y": -1.0, "RightUpLeg_y": 1.0},  # a turn about y, to the left, swings a leg back
-)
-# A joint of ASF is the start of its bone. lwrist is the lower third of the forearm; the wrist is where lhand starts.
-_ASF = _rig(
-    "asf",
-    trunk={
-        "head": {"head": 1.5, "upperneck": -0.5},
-        "clavicle": {"lowerneck": 1.0},
-        "pelvis": {"lfemur": 0.5, "rfemur": 0.5},
-    },
-    limbs={
-        "shoulder": "lhumerus|rhumerus",
-        "elbow": "lradius|rradius",
-        "wrist": "lhand|rhand",
-        "hip": "lfemur|rfemur",
-        "knee": "ltibia|rtibia",
-        "ankle": "lfoot|rfoot",
-    },
-    flexion={"lfemur_y": -1.0, "rfemur_y": 1.0},
-)
-_MIXAMO = _rig(
-    "mixamo",
-    trunk={
-        "head": {"Head": 2.0, "Neck": -1.0},
-        "clavicle": {"LeftShoulder": 0.5, "RightShoulder": 0.5},
-        "pelvis": {"LeftUpLeg": 0.5, "RightUpLeg": 0.5},
-    },
-    limbs=_LIMB_JOINTS,
-    flexion={},  # the axes of its bones depend on the program that wrote the file
-)
-_MIXAMORIG = Rig(
-    "mixamorig",
-    {marker: {f"mixamorig:{joint}": w for joint, w in held.items()} for marker, held in _MIXAMO.markers.items()},
-)
-
-RIGS: tuple[Rig, ...] = (_BANDAI, _CMU, _ASF, _MIXAMORIG, _MIXAMO)
-"""The rigs that `JointWalk.to_markers` recognises by their joint names; the first one that fits is taken."""
-
-
-def find_rig(joint_names: Iterable[str]) -> Rig:
-    """Return the rig whose joints are all among `joint_names`.
-
-    Raises
-    ------
-    ValueError
-        If no rig of `RIGS` matches; the error lists the joints found and says how to pass a rig.
-    """
-    names = tuple(joint_names)
-    for rig in RIGS:
-        if rig.joint_names <= set(names):
-            return rig
-    known = ", ".join(rig.name for rig in RIGS)
-    raise ValueError(
-        f"no known rig ({known}) matches the joints {', '.join(names)}; "
-        "pass rig=Rig(name, markers={'head': {'Skull': 1.0}, ...}) that says which joints make each marker"
-    )

@@ -7,9 +7,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from eigenwalker._validation import check_array, check_frame_rate, restore_read_only
+from eigenwalker._validation import WalkError, check_array, check_frame_rate, restore_read_only
+from eigenwalker.motion.rig import Place, Rig, as_rig
+from eigenwalker.motion.rigs import find_rig
 from eigenwalker.motion.rotations import forward_kinematics
-from eigenwalker.motion.skeleton import TROJE15, MarkerSet, Rig, Skeleton, find_rig
+from eigenwalker.motion.skeleton import TROJE15, TROJE15_AND_FEET, MarkerSet, Skeleton
+from eigenwalker.motion.static_trial import carry_markers, hold_legs
 
 __all__ = ["Event", "JointWalk", "Walk"]
 
@@ -121,6 +124,67 @@ class Walk:
         matrix = check_array(channels, shape=("n_frames", len(self.channel_names)), name="channels")
         positions = matrix.reshape(len(matrix), -1, 3)  # (n_frames, 3 n_markers) -> (n_frames, n_markers, 3)
         return replace(self, positions=positions, **changes)
+
+    def to_markers(
+        self,
+        rig: Rig | Mapping[str, Place] | None = None,
+        *,
+        static: "Walk | None" = None,
+        feet: bool = False,
+    ) -> "Walk":
+        """Return the walk of the 15 markers of Troje 2002 that lie between or under the recorded markers.
+
+        Parameters
+        ----------
+        rig : Rig or dict, default None
+            Which markers make each of the 15: ``{"head": "HEAD", "left_knee": {"LKNE": 0.5, "LKNM": 0.5}, ...}``,
+            names with weights that sum to one. None recognises the marker sets in `RIGS` by their names: these 15,
+            the Kinect's joints, Plug-in Gait, and the markers of Horst et al. 2019.
+        static : Walk, default None
+            A static trial of the same person, which completes the markers (`carry_markers` with the segments of the
+            rig) and says how long thighs and shanks are (`hold_legs`). None does without.
+        feet : bool, default False
+            Whether left_heel, left_toe, right_heel and right_toe are kept behind the 15, for `detect_events`.
+
+        Returns
+        -------
+        Walk
+            With `TROJE15` markers and everything else as in this walk, events among it. A walk of these 15 is
+            returned as it is.
+
+        Raises
+        ------
+        WalkError
+            If no rig is given and none is recognised, or if markers are missing; it lists those found.
+
+        Examples
+        --------
+        >>> from eigenwalker import read_walk
+        >>> from eigenwalker.motion import detect_events
+        >>> static = read_walk("S01_0001_Static.c3d")  # doctest: +SKIP
+        >>> walk = read_walk("S01_0002_Gait.c3d").to_markers(static=static, feet=True)  # doctest: +SKIP
+        >>> walk = detect_events(walk).to_markers()  # the 15 markers, with events  # doctest: +SKIP
+        """
+        if rig is None and static is None and not feet and self.marker_set.names == TROJE15.names:
+            return self
+        try:
+            return self._place(rig, static, TROJE15_AND_FEET if feet else TROJE15)
+        except WalkError:
+            raise
+        except ValueError as error:
+            raise WalkError(f"walk {self.name!r}: {error}") from None
+
+    def _place(self, rig: Rig | Mapping[str, Place] | None, static: "Walk | None", marker_set: MarkerSet) -> "Walk":
+        """Return the walk with the markers of a set that a rig places."""
+        if static is not None and not isinstance(static, Walk):
+            raise TypeError(f"static must be a Walk, the static trial, got {type(static).__name__}")
+        found = [*self.marker_set.names, *(static.marker_set.names if static is not None else ())]
+        rig = find_rig(found) if rig is None else as_rig(rig, found)
+        full = self if static is None else carry_markers(self, static, rig.segments)
+        positions = rig.place(full.marker_set.names, full.positions, marker_set.names)
+        if static is not None:
+            positions = hold_legs(positions, marker_set.names, rig, static)
+        return replace(self, positions=positions, marker_set=marker_set)
 
 
 @dataclass(frozen=True, eq=False)
@@ -240,13 +304,14 @@ class JointWalk:
         held = frames[:, skeleton.end_parents]  # (n_frames, n_ends, 3, 3)
         return joints[:, skeleton.end_parents] + np.einsum("teij,ej->tei", held, skeleton.end_offsets)
 
-    def to_markers(self, rig: Rig | None = None) -> Walk:
+    def to_markers(self, rig: Rig | Mapping[str, Place] | None = None) -> Walk:
         """Return the walk of the 15 markers of Troje 2002 that this skeleton carries.
 
         Parameters
         ----------
-        rig : Rig, default None
-            Which joints make each marker. None recognises the rigs in `RIGS` by their joint names.
+        rig : Rig or dict, default None
+            Which joints make each marker, as in `Walk.to_markers`. None recognises the rigs in `RIGS` by their joint
+            names.
 
         Returns
         -------
@@ -259,8 +324,8 @@ class JointWalk:
             If no rig is given and none is recognised, or if the rig needs joints that are missing.
         """
         names = self.skeleton.joint_names
-        weights = (rig or find_rig(names)).weights(names)
-        positions = np.matmul(weights, self.joint_positions())  # (15, J) @ (T, J, 3) -> (T, 15, 3)
+        rig = find_rig(names) if rig is None else as_rig(rig, names)
+        positions = rig.place(names, self.joint_positions())
         return Walk(positions, self.frame_rate, TROJE15, self.name, self.speed, self.size, self.events, self.frequency)
 
     def _local_positions(self) -> NDArray[np.float64]:

@@ -1,10 +1,13 @@
 """The command line, as a user meets it."""
 
+import json
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
 
-from eigenwalker import load_model, read_walk
+from eigenwalker import TROJE15, MarkerSet, load_model, make_walkers, read_walk, write_walk
 from eigenwalker.cli import main
 
 
@@ -170,3 +173,74 @@ def test_wrong_requests_for_a_walk_are_refused(run, files, tmp_path):
         status, _, err = run("walk", *request)
         assert status == 1
         assert message in err
+
+
+PLACES = {name: name.upper() for name in TROJE15.names} | {"left_knee": {"LKNE": 0.5, "LKNM": 0.5}}
+
+
+@pytest.fixture(scope="module")
+def laboratory(tmp_path_factory):
+    """Return recordings with markers that a laboratory has names of its own for."""
+    folder = tmp_path_factory.mktemp("laboratory")
+    walkers = make_walkers(8, random_state=0)
+    names = [name.upper() for name in TROJE15.names] + ["LKNE", "LKNM"]
+    knee = TROJE15.index("left_knee")
+    for number, walk in enumerate(walkers.data):
+        sides = walk.positions[:, [knee, knee]] + [[0.0, 0.05, 0.0], [0.0, -0.05, 0.0]]
+        kept = [place for place in range(17) if place != knee]
+        positions = np.concatenate((walk.positions, sides), axis=1)[:, kept]
+        marked = replace(walk, positions=positions, marker_set=MarkerSet(tuple(names[place] for place in kept)))
+        write_walk(marked, folder / f"walk_{'ab'[number % 2]}_{number}.csv")
+    return sorted(folder.glob("*.csv"))
+
+
+def test_markers_of_a_laboratory(run, laboratory, tmp_path):
+    places, model = tmp_path / "map.json", tmp_path / "m.skops"
+    places.write_text(json.dumps(PLACES))
+    arguments = ["--label-pattern", r"walk_(?P<kind>[ab])_", "--trait", "kind", "--components", 2, "--out", model]
+    status, _, err = run("fit", *laboratory, *arguments)
+    assert status == 1
+    assert "8 of 8 recordings were refused" in err
+    assert "no known rig (bandai, " in err
+    assert "fits the names HEAD, CLAVICLE" in err
+    status, out, _ = run("fit", *laboratory, *arguments, "--markers", places)
+    assert status == 0
+    assert "recordings: 8, refused: 0" in out
+    request = ["walk", model, "--alpha", "kind=1", "--base", laboratory[0], "--out", tmp_path / "walk.csv"]
+    assert run(*request)[0] == 1
+    assert run(*request, "--markers", places)[0] == 0
+    assert read_walk(tmp_path / "walk.csv").marker_set is TROJE15
+
+
+@pytest.mark.parametrize(
+    ("text", "messages"),
+    [
+        ("{head: HEAD}", ["map.json: expected a JSON file of markers, got other text: Expecting property name"]),
+        (b"\xff\xfe\x00", ["map.json: expected a JSON file of markers, got other text"]),
+        ('["HEAD"]', ['map.json: expected a JSON dictionary such as {"head": "HEAD", ', "}, ...}, got list"]),
+        (
+            json.dumps({"head": "HEAD", "nose": "NOSE", "pelvis": 3, "left_hip": {"LASI": 0.7}}),
+            [
+                "map.json: the map of markers must place all 15 markers; it lacks clavicle, left_shoulder",
+                "not nose",
+                "does not for pelvis",
+                "must sum to one, but not for left_hip",
+            ],
+        ),
+        (
+            json.dumps(PLACES | {"head": "SKULL", "pelvis": "SACR"}),
+            ["rig 'map' needs SACR, SKULL; found HEAD, CLAVICLE", "LKNE, LKNM"],
+        ),
+    ],
+)
+def test_wrong_maps_of_markers_are_refused(run, laboratory, tmp_path, text, messages):
+    places = tmp_path / "map.json"
+    places.write_bytes(text if isinstance(text, bytes) else text.encode())
+    arguments = ["--label-pattern", r"walk_(?P<kind>[ab])_", "--trait", "kind", "--out", tmp_path / "m.skops"]
+    status, _, err = run("fit", *laboratory, *arguments, "--markers", places)
+    assert status == 1
+    for message in messages:
+        assert message in err
+    status, _, err = run("fit", *laboratory, *arguments, "--markers", tmp_path / "none.json")
+    assert status == 1
+    assert "none.json" in err

@@ -1,12 +1,15 @@
 """Events, steps and the table of them."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
+import pandas as pd
 import pytest
 from numpy.testing import assert_allclose
 
 from eigenwalker import WalkError, make_walkers
+from eigenwalker.io import read_c3d
 from eigenwalker.motion import (
     TROJE15,
     Event,
@@ -67,12 +70,12 @@ def test_events_of_the_file_are_preferred():
 
 
 def test_a_heel_is_taken_where_there_is_one():
-    walk = _swinging()
-    late = np.roll(walk.marker("left_ankle"), 12, axis=0)
+    walk = _swinging(phase=1.0)
+    late = _swinging(phase=1.0 - 0.2 * np.pi).marker("left_ankle")  # by 0.1 s
     heeled = Walk(
         np.concatenate((walk.positions, late[:, np.newaxis]), axis=1), 120, MarkerSet((*TROJE15.names, "left_heel"))
     )
-    assert_allclose(heel_strikes(heeled, "left")[1:4], heel_strikes(walk, "left")[1:4] + 0.1, atol=5e-3)
+    assert_allclose(heel_strikes(heeled, "left")[:4], heel_strikes(walk, "left")[:4] + 0.1, atol=5e-3)
 
 
 def test_table_of_known_walkers():
@@ -124,3 +127,88 @@ def test_recorded_styles_differ_as_they_should(data_dir):
     assert means["speed_m_per_s"].idxmin() == "elderly"
     assert means["speed_m_per_s"].idxmax() == "active"
     assert means["stance_ratio"].between(0.5, 0.7).all()
+
+
+@pytest.mark.parametrize("frame_rate", [30, 120, 250])
+def test_events_near_the_ends_of_a_short_pass_are_found(frame_rate):
+    """One stride and a little more: strikes 24 ms after its start and before its end."""
+    times = np.arange(round(1.05 * frame_rate)) / frame_rate
+    start, end = 0.024, times[-1] - 0.024
+    swing = 0.4 * np.cos(2 * np.pi * (times - start) / (end - start))
+    positions = np.zeros((len(times), 2, 3))
+    positions[:, 1, 0] = swing
+    walk = Walk(positions, frame_rate, MarkerSet(("pelvis", "left_ankle")))
+    assert_allclose(heel_strikes(walk, "left"), [start, end], atol=0.004)
+
+
+def test_noise_at_the_ends_makes_no_events():
+    """A swing that is cut while the foot still goes forward."""
+    rng = np.random.default_rng(0)
+    times = np.arange(300) / 100
+    for trial in range(50):
+        swing = -0.4 * np.cos(2 * np.pi * times / 2) + 0.005 * rng.normal(size=300)  # its only top is after 1 s
+        positions = np.zeros((240, 2, 3))
+        positions[:, 1, 0] = swing[45:285]
+        walk = Walk(positions, 100, MarkerSet(("pelvis", "left_ankle")))
+        assert_allclose(heel_strikes(walk, "left"), [0.55], atol=0.03, err_msg=str(trial))
+
+
+@pytest.mark.parametrize("n_frames", [1, 2, 3, 4, 5, 9])
+def test_walks_of_a_few_frames_have_no_events(n_frames):
+    walk = replace(_swinging(), positions=_swinging().positions[:n_frames])
+    assert len(heel_strikes(walk, "left")) == 0
+
+
+@pytest.fixture(scope="module")
+def horst(data_dir):
+    """Return the ten walks of `horst_c3d` with the markers of heels and toes, by name, and the measured events."""
+    folder = data_dir / "horst_c3d"
+    static = read_c3d(folder / "S01_0001_Static.c3d")
+    walks = [read_c3d(path).to_markers(static=static, feet=True) for path in sorted(folder.glob("*Gait.c3d"))]
+    return {walk.name: walk for walk in walks}, pd.read_csv(folder / "Gait_cycle_bounds.csv", index_col=0)
+
+
+def test_recorded_events_are_those_of_the_force_plates(horst):
+    """All six of both walks within 10 ms, and no others."""
+    walks, bounds = horst
+    assert len(bounds) == 2
+    for name, measured in bounds.iterrows():
+        walk = walks[name]
+        assert_allclose(heel_strikes(walk, "right"), measured[["HS1r", "HS2r"]], atol=0.01)
+        assert_allclose(heel_strikes(walk, "left"), measured[["HSl"]], atol=0.01)
+        assert_allclose(toe_offs(walk, "right"), measured[["TOr"]], atol=0.01)
+        assert_allclose(toe_offs(walk, "left"), measured[["TO1l", "TO2l"]], atol=0.01)
+
+
+def test_recorded_feet_do_at_events_what_feet_do(horst):
+    """Plain physics on all ten passes.
+
+    The heel comes down before a strike and lies low and still 60 ms after it; the toe lies low and still 60 ms before
+    a toe off and moves forward and up at it. Left and right take turns.
+    """
+    for walk in horst[0].values():
+        events = detect_events(walk).events
+        assert 4 <= len(events) <= 6, walk.name
+        for kind in ("heel_strike", "toe_off"):
+            sides = [event.side for event in events if event.kind == kind]
+            assert all(first != second for first, second in pairwise(sides))
+        for event in events:
+            path = walk.marker(f"{event.side}_{'heel' if event.kind == 'heel_strike' else 'toe'}")
+            velocity = np.gradient(path, 1 / walk.frame_rate, axis=0)
+            frame, late = round(event.time * walk.frame_rate), round(0.06 * walk.frame_rate)
+            rest = frame + late if event.kind == "heel_strike" else frame - late
+            if not 0 <= rest < walk.n_frames:
+                continue
+            assert path[rest, 2] < path[:, 2].min() + 0.025, (walk.name, event)
+            assert np.linalg.norm(velocity[rest]) < 0.6, (walk.name, event)
+            assert np.linalg.norm(velocity[frame]) > 1.0, (walk.name, event)
+            assert (velocity[frame, 2] < 0) == (event.kind == "heel_strike"), (walk.name, event)
+
+
+def test_recorded_double_support_is_a_tenth_of_the_stride(horst):
+    """From a strike of one foot to the toe off of the other: 10 to 18 % of the stride."""
+    for walk in horst[0].values():
+        strikes = heel_strikes(walk, "right")
+        if len(strikes) == 2:
+            both = toe_offs(walk, "left")[0] - strikes[0]
+            assert 0.10 < both / np.diff(strikes)[0] < 0.18, walk.name
