@@ -10,6 +10,7 @@ from sklearn.base import BaseEstimator, ClassifierMixin, TransformerMixin
 from sklearn.utils.multiclass import check_classification_targets
 from sklearn.utils.validation import check_consistent_length, check_is_fitted, column_or_1d, validate_data
 
+from eigenwalker._validation import check_choice
 from eigenwalker.model._labels import Poles, tabulate
 from eigenwalker.model.traits import TraitRegressor
 
@@ -30,6 +31,9 @@ class TraitClassifier(ClassifierMixin, TransformerMixin, BaseEstimator):
         See `TraitRegressor`.
     poles : mapping of str to (label, label), default None
         The two groups, the one of negative alpha first. None takes them in alphabetical order.
+    boundary : {"zero", "midpoint"}, default "zero"
+        Where one group ends and the other begins on the axis. "zero" is where 0 is predicted, which favors the larger
+        group; "midpoint" is midway between the means of the groups, so that neither is favored.
 
     Attributes
     ----------
@@ -54,10 +58,18 @@ class TraitClassifier(ClassifierMixin, TransformerMixin, BaseEstimator):
     ['male']
     """
 
-    def __init__(self, *, alpha_unit: str = "sd", direction: str = "pattern", poles: Poles | None = None) -> None:
+    def __init__(
+        self,
+        *,
+        alpha_unit: str = "sd",
+        direction: str = "pattern",
+        poles: Poles | None = None,
+        boundary: str = "zero",
+    ) -> None:
         self.alpha_unit = alpha_unit
         self.direction = direction
         self.poles = poles
+        self.boundary = boundary
 
     def fit(self, X: ArrayLike, y: ArrayLike, groups: ArrayLike | None = None) -> Self:
         """Learn the axis.
@@ -80,6 +92,7 @@ class TraitClassifier(ClassifierMixin, TransformerMixin, BaseEstimator):
         ValueError
             If there are not exactly two groups, or labels are missing.
         """
+        check_choice(self.boundary, ("zero", "midpoint"), name="boundary")
         if y is None:
             raise ValueError("requires y to be passed, but the target y is None")
         scores = validate_data(self, X, dtype=np.float64, ensure_min_samples=2)
@@ -96,7 +109,9 @@ class TraitClassifier(ClassifierMixin, TransformerMixin, BaseEstimator):
         self.axis_.fit(scores, codes, groups)
         alphas = pd.Series(self.axis_.transform(scores)[:, 0])
         self.alpha_means_ = {pole: float(alphas[labels.eq(pole)].mean()) for pole in (negative, positive)}
-        self.alpha_boundary_ = self.axis_.to_alpha(0.0)
+        fitted = pd.Series(self.axis_.predict(scores))
+        self._boundary = 0.0 if self.boundary == "zero" else float(fitted.groupby(codes.to_numpy()).mean().mean())
+        self.alpha_boundary_ = self.axis_.to_alpha(self._boundary)
         return self
 
     def _poles(self, name: str) -> tuple[Hashable, Hashable]:
@@ -130,7 +145,7 @@ class TraitClassifier(ClassifierMixin, TransformerMixin, BaseEstimator):
         return self.axis_.poles_
 
     def decision_function(self, X: ArrayLike) -> NDArray[np.float64]:
-        """Return the predicted code of each walker; positive for the second of `classes_`.
+        """Return the predicted code of each walker less that of the boundary; positive for the second of `classes_`.
 
         Parameters
         ----------
@@ -144,7 +159,7 @@ class TraitClassifier(ClassifierMixin, TransformerMixin, BaseEstimator):
         check_is_fitted(self)
         scores = validate_data(self, X, dtype=np.float64, reset=False)
         sign = 1.0 if self.axis_.poles_[self.trait_names_[0]][1] == self.classes_[1] else -1.0
-        return sign * self.axis_.predict(scores)
+        return sign * (self.axis_.predict(scores) - self._boundary)
 
     def predict(self, X: ArrayLike) -> NDArray:
         """Return the predicted group of each walker.

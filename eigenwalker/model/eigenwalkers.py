@@ -38,9 +38,10 @@ def make_eigenwalkers(
         Of `FourierLinearizer`.
     n_components : int, float or None, default 15
         Of `sklearn.decomposition.PCA`: how many Eigenwalkers, or the share of variance they hold.
-    scaling : {"blocks", "features", None}, default "blocks"
-        `BlockScaler`: what is brought to one scale before PCA. None leaves metres and hertz as they are, and there is
-        no step `scaler`.
+    scaling : {"blocks", "features", "noise", None}, default "blocks"
+        `BlockScaler`: what is brought to one scale before PCA. "noise" is for noisy sensors and several walks a person,
+        ``fit(walks, y, scaler__groups=persons)``. None leaves metres and hertz as they are, and there is no step
+        `scaler`.
     trait : TraitRegressor or TraitClassifier, default None
         The last step; a clone of it is taken. None is `TraitRegressor()`.
     extras : sequence of {"speed", "size"}, default ()
@@ -60,7 +61,7 @@ def make_eigenwalkers(
     >>> model.transform([walk]).round(6)
     array([[2.]])
     """
-    check_choice(scaling, ("blocks", "features", None), name="scaling")
+    check_choice(scaling, ("blocks", "features", "noise", None), name="scaling")
     steps = [("linearizer", FourierLinearizer(n_harmonics, extras=tuple(extras)))]
     if scaling is not None:
         steps.append(("scaler", BlockScaler(1 + len(tuple(extras)), unit=scaling)))

@@ -14,6 +14,7 @@ from sklearn.utils.validation import check_array, check_is_fitted
 from eigenwalker._validation import WalkError, check_finite, check_walks
 from eigenwalker.motion.fourier import evaluate_harmonics, explained_by, fit_harmonics, reference_phase, shift_phase
 from eigenwalker.motion.phase import find_stride, phase_weights
+from eigenwalker.motion.robust import fit_harmonics_robust
 from eigenwalker.motion.walk import JointWalk, Walk
 
 __all__ = ["FourierLinearizer"]
@@ -47,6 +48,8 @@ class FourierLinearizer(TransformerMixin, BaseEstimator):
         Strides in a walk that `inverse_transform` makes.
     frame_rate : float, default 120.0
         Frames per second of a walk that `inverse_transform` makes.
+    robust : bool, default False
+        Whether frames in which a marker jumps are weighted down, see `fit_harmonics_robust`: for noisy sensors.
     warn_below : float, default 0.5
         Explained power below which `transform` warns, naming the walks.
 
@@ -76,6 +79,7 @@ class FourierLinearizer(TransformerMixin, BaseEstimator):
         extras: Sequence[str] = (),
         n_cycles: float = 10,
         frame_rate: float = 120.0,
+        robust: bool = False,
         warn_below: float = 0.5,
     ) -> None:
         self.n_harmonics = n_harmonics
@@ -83,6 +87,7 @@ class FourierLinearizer(TransformerMixin, BaseEstimator):
         self.extras = extras
         self.n_cycles = n_cycles
         self.frame_rate = frame_rate
+        self.robust = robust
         self.warn_below = warn_below
 
     def fit(self, X: Sequence[Walk | JointWalk], y: object = None) -> Self:
@@ -232,8 +237,13 @@ class FourierLinearizer(TransformerMixin, BaseEstimator):
             channels = walk.channels
             check_finite(channels, walk.channel_names, walk=walk.name)
             frequency = find_stride(channels, walk.frame_rate, weights, known=walk.frequency, name=walk.name)
-            coefficients = fit_harmonics(channels, walk.frame_rate, frequency, self.n_harmonics)
+            coefficients = self._fit_series(channels, walk.frame_rate, frequency)
             yield walk, frequency, coefficients, explained_by(coefficients, channels, walk.frame_rate, frequency)
+
+    def _fit_series(self, channels: NDArray[np.floating], frame_rate: float, frequency: float) -> NDArray[np.float64]:
+        if self.robust:
+            return fit_harmonics_robust(channels, frame_rate, frequency, self.n_harmonics)[0]
+        return fit_harmonics(channels, frame_rate, frequency, self.n_harmonics)
 
     def _extras_of(self, walk: Walk | JointWalk) -> list[float]:
         extras = [getattr(walk, name) for name in self.extras]

@@ -5,7 +5,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from sklearn.base import BaseEstimator, OneToOneFeatureMixin, TransformerMixin
-from sklearn.utils.validation import check_array, check_is_fitted, validate_data
+from sklearn.utils.validation import check_array, check_consistent_length, check_is_fitted, validate_data
 
 from eigenwalker._validation import check_choice
 
@@ -20,7 +20,9 @@ class BlockScaler(OneToOneFeatureMixin, TransformerMixin, BaseEstimator):
 
     - ``unit="blocks"`` divides the posture features by 1 and each single feature by its own SD over r, so that a
       single feature weighs as much as one average posture feature, and posture keeps its proportions;
-    - ``unit="features"`` divides every feature by its own SD.
+    - ``unit="features"`` divides every feature by its own SD;
+    - ``unit="noise"`` divides every feature by its SD within persons, between the walks of one person, so that what a
+      noisy sensor does not see the same way twice counts little. It takes `groups` in `fit`.
 
     Without it the unit decides: frequency holds a tenth of the variance beside metres and nothing beside millimetres.
 
@@ -28,7 +30,7 @@ class BlockScaler(OneToOneFeatureMixin, TransformerMixin, BaseEstimator):
     ----------
     n_scalars : int, default 1
         How many of the last columns are single features: the frequency, and each of the linearizer's extras.
-    unit : {"blocks", "features"}, default "blocks"
+    unit : {"blocks", "features", "noise"}, default "blocks"
         What is brought to one scale.
     tolerance : float, default 1e-6
         A posture feature whose SD is below `tolerance` times r is constant by convention, and what varies in it is
@@ -58,7 +60,7 @@ class BlockScaler(OneToOneFeatureMixin, TransformerMixin, BaseEstimator):
         self.unit = unit
         self.tolerance = tolerance
 
-    def fit(self, X: ArrayLike, y: object = None) -> Self:
+    def fit(self, X: ArrayLike, y: object = None, groups: ArrayLike | None = None) -> Self:
         """Learn the scales.
 
         Parameters
@@ -67,12 +69,19 @@ class BlockScaler(OneToOneFeatureMixin, TransformerMixin, BaseEstimator):
             Feature vectors; at least one posture feature beside the `n_scalars` single ones.
         y : object, default None
             Ignored.
+        groups : array-like of shape (n_walks,), default None
+            Which person each walk is of. For ``unit="noise"``; in a Pipeline ``fit(walks, y, scaler__groups=persons)``.
 
         Returns
         -------
         self
+
+        Raises
+        ------
+        ValueError
+            If there are no posture features, or for "noise" no person with two walks.
         """
-        check_choice(self.unit, ("blocks", "features"), name="unit")
+        check_choice(self.unit, ("blocks", "features", "noise"), name="unit")
         vectors = validate_data(self, X, dtype=np.float64)
         n_posture = vectors.shape[1] - self.n_scalars
         if n_posture < 1 or self.n_scalars < 0:
@@ -81,9 +90,18 @@ class BlockScaler(OneToOneFeatureMixin, TransformerMixin, BaseEstimator):
                 f"got {vectors.shape[1]} feature(s) in all"
             )
         spreads = vectors.std(axis=0)
+        self.scale_ = self._scales(vectors, spreads if self.unit != "noise" else _spreads_within(vectors, groups))
+        variances = (spreads / self.scale_) ** 2
+        blocks = np.concatenate(([variances[:n_posture].sum()], variances[n_posture:]))
+        self.block_shares_ = blocks / blocks.sum() if blocks.sum() > 0 else np.zeros_like(blocks)
+        return self
+
+    def _scales(self, vectors: NDArray[np.float64], spreads: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return what each feature is divided by, given the SDs that count."""
+        n_posture = vectors.shape[1] - self.n_scalars
         reference = np.sqrt(np.mean(spreads[:n_posture] ** 2))
         scale = np.ones_like(spreads)
-        if self.unit == "features":
+        if self.unit != "blocks":
             vary = spreads[:n_posture] > self.tolerance * reference
             scale[:n_posture][vary] = spreads[:n_posture][vary]
             reference = 1.0
@@ -91,11 +109,7 @@ class BlockScaler(OneToOneFeatureMixin, TransformerMixin, BaseEstimator):
         magnitudes = np.abs(vectors[:, n_posture:]).max(axis=0, initial=0.0)
         varies = (scalars > 1e-12 * magnitudes) & (reference > 0)
         scale[n_posture:][varies] = scalars[varies] / reference
-        self.scale_ = scale
-        variances = (spreads / scale) ** 2
-        blocks = np.concatenate(([variances[:n_posture].sum()], variances[n_posture:]))
-        self.block_shares_ = blocks / blocks.sum() if blocks.sum() > 0 else np.zeros_like(blocks)
-        return self
+        return scale
 
     def transform(self, X: ArrayLike) -> NDArray[np.float64]:
         """Return the scaled features.
@@ -129,3 +143,20 @@ class BlockScaler(OneToOneFeatureMixin, TransformerMixin, BaseEstimator):
         if scaled.shape[1] != self.n_features_in_:
             raise ValueError(f"expected {self.n_features_in_} features, got {scaled.shape[1]}")
         return scaled * self.scale_
+
+
+def _spreads_within(vectors: NDArray[np.float64], groups: ArrayLike | None) -> NDArray[np.float64]:
+    """Return the SD of each feature between the walks of one person, pooled over persons."""
+    if groups is None:
+        raise ValueError("unit='noise' needs to know which person each walk is of; pass groups, one entry a walk")
+    check_consistent_length(vectors, groups)
+    persons = np.unique(np.asarray(groups), return_inverse=True)[1]
+    counts = np.bincount(persons)
+    n_free = len(vectors) - len(counts)
+    if n_free < 1:
+        raise ValueError(
+            f"unit='noise' needs persons with two walks or more, got {len(counts)} persons with one each; "
+            "use unit='features'"
+        )
+    means = np.stack([np.bincount(persons, weights=column) for column in vectors.T], axis=1) / counts[:, np.newaxis]
+    return np.sqrt(((vectors - means[persons]) ** 2).sum(axis=0) / n_free)

@@ -180,7 +180,7 @@ def test_wrong_requests_are_refused(walkers, call, message):
 def test_scaling_is_a_choice():
     assert list(make_eigenwalkers(scaling=None).named_steps) == ["linearizer", "eigenwalkers", "trait"]
     assert list(make_eigenwalkers().named_steps) == ["linearizer", "scaler", "eigenwalkers", "trait"]
-    with pytest.raises(ValueError, match="scaling must be one of 'blocks', 'features', None"):
+    with pytest.raises(ValueError, match="scaling must be one of 'blocks', 'features', 'noise', None"):
         make_eigenwalkers(scaling="metres")
     trait = TraitRegressor()
     assert make_eigenwalkers(trait=trait)["trait"] is not trait

@@ -29,6 +29,17 @@ def test_features_have_unit_variance(vectors):
     assert_allclose(BlockScaler(2, unit="features").fit_transform(vectors).std(axis=0), 1)
 
 
+def test_noise_is_the_spread_within_persons(vectors):
+    persons = np.repeat(np.arange(10), 4)
+    means = vectors.reshape(10, 4, 8).mean(axis=1)
+    within = np.sqrt(((vectors - means[persons]) ** 2).sum(axis=0) / 30)
+    scaler = BlockScaler(2, unit="noise").fit(vectors, groups=persons)
+    assert_allclose(scaler.scale_, within)
+    assert_allclose(scaler.inverse_transform(scaler.transform(vectors)), vectors)
+    moved = vectors + 100 * np.arange(10)[persons, np.newaxis]
+    assert_allclose(BlockScaler(2, unit="noise").fit(moved, groups=persons).scale_, within, rtol=1e-9)
+
+
 @pytest.mark.parametrize("unit", ["blocks", "features"])
 def test_constants_and_rounding_stay(vectors, unit):
     vectors[:, 2] = 1e-17 * np.arange(40)
@@ -46,7 +57,11 @@ def test_shares_add_up(vectors):
 def test_wrong_use_is_refused(vectors):
     with pytest.raises(ValueError, match="posture features beside n_scalars=8 single ones, got 8"):
         BlockScaler(8).fit(vectors)
-    with pytest.raises(ValueError, match="unit must be one of 'blocks', 'features'"):
+    with pytest.raises(ValueError, match="unit must be one of 'blocks', 'features', 'noise'"):
         BlockScaler(unit="metres").fit(vectors)
+    with pytest.raises(ValueError, match="needs to know which person each walk is of; pass groups"):
+        BlockScaler(unit="noise").fit(vectors)
+    with pytest.raises(ValueError, match="persons with two walks or more, got 40 persons"):
+        BlockScaler(unit="noise").fit(vectors, groups=np.arange(40))
     with pytest.raises(ValueError, match="expected 8 features, got 3"):
         BlockScaler().fit(vectors).inverse_transform(np.zeros((2, 3)))

@@ -198,3 +198,21 @@ def test_poles_turn_the_axis_and_not_the_decision(data):
 def test_wrong_groups_are_refused(data, labels, options, message):
     with pytest.raises(ValueError, match=message):
         TraitClassifier(**options).fit(data[0], labels)
+
+
+def test_the_boundary_midway_favors_neither_group():
+    rng = np.random.default_rng(0)
+    sex = np.array(["F"] * 20 + ["M"] * 80)
+    scores = rng.normal(size=(100, 2)) + np.where(sex == "F", -1.0, 1.0)[:, np.newaxis] * [1.0, 0.0]
+    shares = {}
+    for boundary in ("zero", "midpoint"):
+        classifier = TraitClassifier(boundary=boundary).fit(scores, sex)
+        guess = classifier.predict(scores)
+        shares[boundary] = [(guess[sex == group] == group).mean() for group in ("F", "M")]
+        decided = classifier.decision_function(scores) > 0
+        np.testing.assert_array_equal(decided, classifier.transform(scores)[:, 0] > classifier.alpha_boundary_)
+    midway = np.mean(list(TraitClassifier(boundary="midpoint").fit(scores, sex).alpha_means_.values()))
+    assert_allclose(TraitClassifier(boundary="midpoint").fit(scores, sex).alpha_boundary_, midway)
+    assert shares["midpoint"][0] > shares["zero"][0]
+    with pytest.raises(ValueError, match="boundary must be one of 'zero', 'midpoint'"):
+        TraitClassifier(boundary="middle").fit(scores, sex)
