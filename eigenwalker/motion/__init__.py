@@ -1,6 +1,8 @@
 """One walk, and what is done to one walk."""
 
 from eigenwalker.motion.body import check_leg_length, stature
+from eigenwalker.motion.cadence import StridePhase, steady_cadence, stride_phase
+from eigenwalker.motion.filtering import low_pass, resample
 from eigenwalker.motion.fourier import (
     amplitude_phase,
     coarse_frequency,
@@ -12,49 +14,78 @@ from eigenwalker.motion.fourier import (
     shift_phase,
 )
 from eigenwalker.motion.gait import Step, detect_events, find_steps, gait_table, heel_strikes, toe_offs
+from eigenwalker.motion.gaps import Gap, fill_gaps, find_gaps
+from eigenwalker.motion.passes import split_passes
 from eigenwalker.motion.phase import phase_weights, stride_frequency
-from eigenwalker.motion.preparation import mirror_walk, prepare, prepare_walks
+from eigenwalker.motion.preparation import prepare, prepare_walks
 from eigenwalker.motion.preparer import WalkPreparer
 from eigenwalker.motion.quality import WalkQuality, walk_quality
+from eigenwalker.motion.rig import Estimate, Rig, Segment
+from eigenwalker.motion.rigid import fit_rigid
+from eigenwalker.motion.rigs import RIGS, find_rig
+from eigenwalker.motion.robust import fit_harmonics_robust
 from eigenwalker.motion.rotations import euler_from_rotvec, forward_kinematics, rotvec_from_euler, unroll_rotvec
-from eigenwalker.motion.skeleton import RIGS, TROJE15, MarkerSet, Rig, Skeleton, find_rig
+from eigenwalker.motion.skeleton import FEET, TROJE15, MarkerSet, Skeleton
+from eigenwalker.motion.static_trial import carry_markers
+from eigenwalker.motion.strides import cut_to_strides, pool_walks
+from eigenwalker.motion.symmetry import Asymmetry, asymmetry_index, mirror_walk, symmetrize_walk
 from eigenwalker.motion.walk import Event, JointWalk, Walk
 
 __all__ = [
+    "FEET",
     "RIGS",
     "TROJE15",
+    "Asymmetry",
+    "Estimate",
     "Event",
+    "Gap",
     "JointWalk",
     "MarkerSet",
     "Rig",
+    "Segment",
     "Skeleton",
     "Step",
+    "StridePhase",
     "Walk",
     "WalkPreparer",
     "WalkQuality",
     "amplitude_phase",
+    "asymmetry_index",
+    "carry_markers",
     "check_leg_length",
     "coarse_frequency",
+    "cut_to_strides",
     "detect_events",
     "estimate_frequency",
     "euler_from_rotvec",
     "evaluate_harmonics",
     "explained_power",
+    "fill_gaps",
+    "find_gaps",
     "find_rig",
     "find_steps",
     "fit_harmonics",
+    "fit_harmonics_robust",
+    "fit_rigid",
     "forward_kinematics",
     "gait_table",
     "heel_strikes",
+    "low_pass",
     "mirror_walk",
     "phase_weights",
+    "pool_walks",
     "prepare",
     "prepare_walks",
     "reference_phase",
+    "resample",
     "rotvec_from_euler",
     "shift_phase",
+    "split_passes",
     "stature",
+    "steady_cadence",
     "stride_frequency",
+    "stride_phase",
+    "symmetrize_walk",
     "toe_offs",
     "unroll_rotvec",
     "walk_quality",

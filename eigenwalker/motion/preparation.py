@@ -9,16 +9,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigenwalker._collect import collect, report_refusals
-from eigenwalker._validation import WalkError, check_choice, check_finite, check_walks
+from eigenwalker._validation import check_choice, check_finite, check_walks
 from eigenwalker.motion.body import check_leg_length, stature
+from eigenwalker.motion.cadence import steady_cadence
+from eigenwalker.motion.filtering import low_pass, resample
 from eigenwalker.motion.fourier import FREQUENCY_RANGE, coarse_frequency, estimate_frequency
-from eigenwalker.motion.path import Path, fit_path, longest_run, stance_speed, steady_stretch, swing_direction
+from eigenwalker.motion.gaps import fill_gaps
+from eigenwalker.motion.heading import facing, first_direction, floor_points, leg_difference, travels, turn
+from eigenwalker.motion.passes import cut
+from eigenwalker.motion.path import Path, fit_path, longest_run, stance_speed, steady_stretch
+from eigenwalker.motion.phase import stride_frequency
+from eigenwalker.motion.strides import cut_to_strides
+from eigenwalker.motion.symmetry import symmetrize_walk
 from eigenwalker.motion.walk import JointWalk, Walk
 
-__all__ = ["mirror_walk", "prepare", "prepare_walks"]
+__all__ = ["prepare", "prepare_walks"]
 
 _NEEDED = ("pelvis", "left_hip", "right_hip", "left_ankle", "right_ankle")
-_TRAVEL_SPEED = 0.15  # m/s over the whole clip; slower is swaying on a treadmill, not going anywhere
 _JUMP_SPEED = 15.0  # m/s of the pelvis between two frames; no body moves like that
 _MAX_ROUNDS = 20
 _ENOUGH_STRIDES = 2.0  # a steady part with fewer is widened
@@ -27,38 +34,67 @@ _ENOUGH_STRIDES = 2.0  # a steady part with fewer is widened
 def prepare(
     walk: Walk | JointWalk,
     *,
+    max_gap: float | None = None,
+    cutoff: float | None = None,
+    frame_rate: float | None = None,
+    camera: str = "still",
     clip: str = "steady",
-    heading: str = "path",
+    frequency: str = "search",
+    heading: str | None = "path",
     treadmill: bool = True,
     normalize_size: bool = False,
+    cadence: str = "recorded",
+    symmetrize: bool = False,
     frequency_range: tuple[float, float] = FREQUENCY_RANGE,
 ) -> Walk:
     """Return a walk as it would look on a treadmill, ready for the Fourier model.
 
-    Joint walks become walks of the 15 markers. Frames before or after a leap of the whole body (frames of zeros at
-    the start of a file) are left out with a warning. Then, for a walk that travels: the steady part is cut out; the
-    walk is turned so that it leads along x; and the path of the pelvis, a polynomial in time of x and y, fitted
-    together with 4 harmonics of the stride, is taken out of all markers. Its mean velocity becomes `speed`.
-    Height over the floor, z, stays as recorded.
+    Joint walks and known sets of markers become walks of the 15 markers. Frames before or after a leap of the whole
+    body (frames of zeros at the start of a file) are left out with a warning. Then, for a walk that travels: the
+    steady part is cut out; the walk is turned so that it leads along x; and the path of the pelvis, a polynomial in
+    time of x and y, fitted together with 4 harmonics of the stride, is taken out of all markers. Its mean velocity
+    becomes `speed`. Height over the floor, z, stays as recorded.
 
     A walk that stays in place keeps its frames and its place. Its `speed` is what the walk says, else estimated
     from the stance feet.
 
+    Steps that are off unless asked for are functions of their own, too: `fill_gaps`, `low_pass`, `resample`,
+    `cut_to_strides`, `steady_cadence`, `symmetrize_walk`. The last two erase what a clinician looks for. Recordings
+    with turns go through `split_passes` first.
+
     Parameters
     ----------
     walk : Walk or JointWalk
-        One recording, with the markers pelvis, left and right hip and ankle.
+        One recording in one direction, with the markers pelvis, left and right hip and ankle.
+    max_gap : float, default None
+        Longest gap that is filled, in seconds; see `fill_gaps`. None fills none, and a walk with gaps is refused.
+    cutoff : float, default None
+        Of the low-pass, in hertz; see `low_pass`. None is no low-pass.
+    frame_rate : float, default None
+        Frames per second of the result; see `resample`. None keeps that of the walk.
+    camera : {"still", "moving"}, default "still"
+        Whether positions count from a fixed place. With a camera that follows the walker nothing is known about the
+        path and the floor: the pelvis's x and y are taken out frame by frame, z counts from the mean height of the
+        ankles, `speed` is estimated from the stance feet, and "path" is the direction in which the legs swing.
     clip : {"steady", "whole"}, default "steady"
         The longest stretch in which the pelvis's speed over a stride stays within 20 % of its median, or all. If
         the steady stretch has fewer than two strides the limit is widened in steps of 10 %, up to the whole clip.
-    heading : {"path", "body", None}, default "path"
-        What is turned to x: the direction of the path, or the mean direction the pelvis faces. None leaves the walk
-        as it is. In place there is no path; there "path" is the direction in which the legs swing.
+    frequency : {"search", "events"}, default "search"
+        "events" cuts the walk to the strides between heel strikes and counts them, see `cut_to_strides`; one stride
+        is enough then. "search" leaves the frequency to be found in the motion.
+    heading : {"path", "curve", "body", None}, default "path"
+        What is turned to x: the direction of the path; its direction at each moment, which straightens a gentle curve;
+        or the mean direction the pelvis faces. None leaves the walk as it is. In place there is no path; there "path"
+        and "curve" are the direction in which the legs swing.
     treadmill : bool, default True
         Whether the path is taken out.
     normalize_size : bool, default False
         Whether positions are divided by the body's stature, which is then kept in `size`, so that walks of large and
         small people differ in proportions and motion only.
+    cadence : {"recorded", "steady"}, default "recorded"
+        "steady" takes drift of the cadence out, see `steady_cadence`.
+    symmetrize : bool, default False
+        Whether the walk becomes the mean of itself and its mirror image; see `symmetrize_walk`.
     frequency_range : tuple of float, default (0.3, 2.5)
         Where the stride frequency is looked for, in hertz.
 
@@ -81,38 +117,35 @@ def prepare(
     >>> bool(abs(prepared.marker("pelvis")[:, :2].mean()) < 0.01), bool(prepared.speed > 0.5)
     (True, True)
     """
+    check_choice(camera, ("still", "moving"), name="camera")
     check_choice(clip, ("steady", "whole"), name="clip")
-    check_choice(heading, ("path", "body", None), name="heading")
-    walk = _without_leaps(_as_markers(walk))
-    direction = _first_direction(walk)
-    if _travels(walk):
-        if clip == "steady":
-            walk = _steady_part(walk, direction, frequency_range)
-        path = _smooth_path(walk, direction, frequency_range)
-        direction = path.velocity
-        if treadmill:
-            walk = _without_path(walk, path)
+    check_choice(frequency, ("search", "events"), name="frequency")
+    check_choice(heading, ("path", "curve", "body", None), name="heading")
+    check_choice(cadence, ("recorded", "steady"), name="cadence")
+    walk = _as_markers(walk, max_gap)
+    check_finite(walk.channels, walk.channel_names, walk=walk.name)
+    walk = _without_leaps(walk) if camera == "still" else _around_pelvis(walk)
+    walk = walk if cutoff is None else low_pass(walk, cutoff=cutoff)
+    walk = walk if frame_rate is None else resample(walk, frame_rate=frame_rate)
+    direction = first_direction(walk)
+    if clip == "steady" and travels(walk):
+        walk = _steady_part(walk, direction, frequency_range)
+    if frequency == "events":
+        walk = _whole_strides(walk, direction)
+    walk = _to_heading(walk, heading, direction, treadmill, frequency_range)
+    walk = _to_unit_stature(walk) if normalize_size else walk
+    return _without_variation(walk, cadence == "steady", symmetrize, frequency_range)
+
+
+def _as_markers(walk: Walk | JointWalk, max_gap: float | None) -> Walk:
+    """Return a walk of markers that has those needed; gaps are filled while all recorded markers are there to help."""
+    if isinstance(walk, JointWalk):
+        markers = walk.to_markers()
+    elif isinstance(walk, Walk):
+        filled = walk if max_gap is None else fill_gaps(walk, max_gap=max_gap)
+        markers = filled if set(_NEEDED) <= set(walk.marker_set.names) else filled.to_markers()
     else:
-        _guess_frequency(walk, direction, frequency_range)  # refuses a walk without a period
-        if np.isnan(walk.speed):
-            left, right = (_floor(walk, f"{side}_ankle") @ direction for side in ("left", "right"))
-            walk = replace(walk, speed=stance_speed(left, right, walk.frame_rate))
-    if heading is not None:
-        walk = _turn(walk, _facing(walk) if heading == "body" else direction)
-    return _to_unit_stature(walk) if normalize_size else walk
-
-
-def _as_markers(walk: Walk | JointWalk) -> Walk:
-    if not isinstance(walk, (Walk, JointWalk)):
         raise TypeError(f"expected a Walk or a JointWalk, got {type(walk).__name__}")
-    markers = walk.to_markers() if isinstance(walk, JointWalk) else walk
-    missing = [name for name in _NEEDED if name not in markers.marker_set.names]
-    if missing:
-        raise WalkError(
-            f"walk {walk.name!r}: expected the markers {', '.join(_NEEDED)}, but {', '.join(missing)} are missing; "
-            f"it has {', '.join(markers.marker_set.names)}"
-        )
-    check_finite(markers.channels, markers.channel_names, walk=walk.name)
     check_leg_length(markers)
     return markers
 
@@ -128,64 +161,66 @@ def _without_leaps(walk: Walk) -> Walk:
         f"{walk.n_frames} and left the other {walk.n_frames - 1 - last + first} out",
         stacklevel=3,
     )
-    return _cut(walk, slice(first, last + 1))
+    return cut(walk, slice(first, last + 1))
 
 
-def _cut(walk: Walk, frames: slice) -> Walk:
-    """Keep a stretch of frames, and the events in it."""
-    start, end = frames.start / walk.frame_rate, frames.stop / walk.frame_rate
-    events = tuple(event._replace(time=event.time - start) for event in walk.events if start <= event.time < end)
-    return replace(walk, positions=walk.positions[frames], events=events)
-
-
-def _floor(walk: Walk, marker: str) -> NDArray[np.floating]:
-    return walk.marker(marker)[:, :2]
-
-
-def _travels(walk: Walk) -> bool:
-    pelvis = _floor(walk, "pelvis")
-    times = (np.arange(len(pelvis)) - (len(pelvis) - 1) / 2) / walk.frame_rate
-    velocity = times @ pelvis / max(times @ times, 1e-12)  # slope of the straight line through the path
-    return bool(np.hypot(*velocity) > _TRAVEL_SPEED)
-
-
-def _leftward(walk: Walk) -> NDArray[np.float64]:
-    return (_floor(walk, "left_hip") - _floor(walk, "right_hip")).mean(axis=0)
-
-
-def _facing(walk: Walk) -> NDArray[np.float64]:
-    leftward = _leftward(walk)
-    return np.array([leftward[1], -leftward[0]])
-
-
-def _first_direction(walk: Walk) -> NDArray[np.float64]:
-    """Return the unit vector over the floor from start to end, or along which the legs swing in place."""
-    if not _travels(walk):
-        return swing_direction(_floor(walk, "left_ankle") - _floor(walk, "right_ankle"), _leftward(walk))
-    pelvis = _floor(walk, "pelvis")
-    return (pelvis[-1] - pelvis[0]) / np.hypot(*(pelvis[-1] - pelvis[0]))
-
-
-def _turn(walk: Walk, direction: NDArray[np.float64]) -> Walk:
-    """Turn a walk about the vertical so that `direction` becomes x."""
-    cosine, sine = direction / np.hypot(*direction)
-    rotation = np.array([[cosine, sine, 0.0], [-sine, cosine, 0.0], [0.0, 0.0, 1.0]])
-    return replace(walk, positions=walk.positions @ rotation.T)
+def _around_pelvis(walk: Walk) -> Walk:
+    """Count x and y from the pelvis, frame by frame, and z from the mean height of the ankles."""
+    ankles = (walk.marker("left_ankle")[:, 2].mean() + walk.marker("right_ankle")[:, 2].mean()) / 2
+    origin = np.column_stack((floor_points(walk, "pelvis"), np.full(walk.n_frames, ankles)))
+    return replace(walk, positions=walk.positions - origin[:, np.newaxis])
 
 
 def _guess_frequency(walk: Walk, direction: NDArray[np.float64], frequency_range: tuple[float, float]) -> float:
-    difference = (_floor(walk, "left_ankle") - _floor(walk, "right_ankle")) @ direction
+    if not np.isnan(walk.frequency):
+        return walk.frequency
+    difference = leg_difference(walk) @ direction
     return coarse_frequency(difference, walk.frame_rate, frequency_range=frequency_range, name=walk.name)
 
 
 def _steady_part(walk: Walk, direction: NDArray[np.float64], frequency_range: tuple[float, float]) -> Walk:
     frequency = _guess_frequency(walk, direction, frequency_range)
-    pelvis = _floor(walk, "pelvis")
+    pelvis = floor_points(walk, "pelvis")
     for tolerance in np.arange(0.2, 1.0, 0.1):
         frames = steady_stretch(pelvis, walk.frame_rate, frequency, tolerance=tolerance)
         if (frames.stop - frames.start) * frequency / walk.frame_rate >= _ENOUGH_STRIDES:
-            return _cut(walk, frames)
+            return cut(walk, frames)
     return walk
+
+
+def _whole_strides(walk: Walk, direction: NDArray[np.float64]) -> Walk:
+    """Cut a walk that leads along `direction` from strike to strike, and leave its axes as they are."""
+    return turn(cut_to_strides(turn(walk, direction)), direction * [1.0, -1.0])
+
+
+def _to_heading(
+    walk: Walk,
+    heading: str | None,
+    direction: NDArray[np.float64],
+    treadmill: bool,
+    frequency_range: tuple[float, float],
+) -> Walk:
+    """Take the path of a walk that travels out, and turn what is ahead to x."""
+    if not travels(walk):
+        walk = _with_belt(walk, direction, frequency_range)
+    else:
+        path = _smooth_path(walk, direction, frequency_range)
+        if heading == "curve":
+            return _unroll(walk, path, treadmill)
+        direction = path.velocity
+        walk = _without_path(walk, path) if treadmill else walk
+    if heading is None:
+        return walk
+    return turn(walk, facing(walk) if heading == "body" else direction)
+
+
+def _with_belt(walk: Walk, direction: NDArray[np.float64], frequency_range: tuple[float, float]) -> Walk:
+    """Refuse a walk in place that has no period; estimate the speed of the belt where it is unknown."""
+    _guess_frequency(walk, direction, frequency_range)
+    if not np.isnan(walk.speed):
+        return walk
+    left, right = (floor_points(walk, f"{side}_ankle") @ direction for side in ("left", "right"))
+    return replace(walk, speed=stance_speed(left, right, walk.frame_rate))
 
 
 def _smooth_path(walk: Walk, direction: NDArray[np.float64], frequency_range: tuple[float, float]) -> Path:
@@ -195,13 +230,13 @@ def _smooth_path(walk: Walk, direction: NDArray[np.float64], frequency_range: tu
     repeated until they agree.
     """
     frequency, before = _guess_frequency(walk, direction, frequency_range), 0.0
-    path = fit_path(_floor(walk, "pelvis"), walk.frame_rate, frequency)
-    for _ in range(_MAX_ROUNDS):
+    path = fit_path(floor_points(walk, "pelvis"), walk.frame_rate, frequency)
+    for _ in range(_MAX_ROUNDS if np.isnan(walk.frequency) else 0):
         if abs(frequency - before) <= 1e-9 * frequency:
             break
         channels = _without_path(walk, path).channels
         frequency, before = estimate_frequency(channels, walk.frame_rate, start=frequency, precision=1e-6), frequency
-        path = fit_path(_floor(walk, "pelvis"), walk.frame_rate, frequency)
+        path = fit_path(floor_points(walk, "pelvis"), walk.frame_rate, frequency)
     return path
 
 
@@ -211,24 +246,32 @@ def _without_path(walk: Walk, path: Path) -> Walk:
     return replace(walk, positions=positions, speed=float(np.hypot(*path.velocity)))
 
 
+def _unroll(walk: Walk, path: Path, treadmill: bool) -> Walk:
+    """Turn each frame by the direction of the path there, so that the path becomes a straight line along x."""
+    steps = np.gradient(path.points, axis=0)  # (n_frames, 2), metres a frame
+    lengths = np.linalg.norm(steps, axis=1)
+    straight = turn(_without_path(walk, path), steps)
+    if treadmill:
+        return replace(straight, speed=float(lengths.mean() * walk.frame_rate))
+    along = np.concatenate(([0.0], np.cumsum((lengths[1:] + lengths[:-1]) / 2)))
+    positions = straight.positions + along[:, np.newaxis, np.newaxis] * [1.0, 0.0, 0.0]
+    return replace(straight, positions=positions, speed=walk.speed)
+
+
 def _to_unit_stature(walk: Walk) -> Walk:
     size = stature(walk)
     return replace(walk, positions=walk.positions / size, size=walk.size * size)
 
 
-def mirror_walk(walk: Walk) -> Walk:
-    """Return the walk seen in a mirror: y changes sign, and left and right markers change places.
-
-    Parameters
-    ----------
-    walk : Walk
-        With markers whose names start with left_ and right_ in pairs.
-
-    Returns
-    -------
-    Walk
-    """
-    return replace(walk, positions=walk.positions[:, walk.marker_set.mirror] * np.array([1.0, -1.0, 1.0]))
+def _without_variation(walk: Walk, steady: bool, symmetrize: bool, frequency_range: tuple[float, float]) -> Walk:
+    """Take drift of the cadence and differences between left and right out, at a frequency within the range."""
+    if not (steady or symmetrize):
+        return walk
+    known = walk.frequency
+    walk = replace(walk, frequency=stride_frequency(walk, frequency_range=frequency_range))
+    walk = steady_cadence(walk) if steady else walk
+    walk = symmetrize_walk(walk) if symmetrize else walk
+    return replace(walk, frequency=known)
 
 
 def prepare_walks(

@@ -22,13 +22,27 @@ class WalkPreparer(TransformerMixin, BaseEstimator):
 
     Parameters
     ----------
+    max_gap : float, default None
+        See `prepare`, in seconds.
+    cutoff : float, default None
+        See `prepare`, in hertz.
+    frame_rate : float, default None
+        See `prepare`, in frames per second.
+    camera : {"still", "moving"}, default "still"
+        See `prepare`.
     clip : {"steady", "whole"}, default "steady"
         See `prepare`.
-    heading : {"path", "body", None}, default "path"
+    frequency : {"search", "events"}, default "search"
+        See `prepare`.
+    heading : {"path", "curve", "body", None}, default "path"
         See `prepare`.
     treadmill : bool, default True
         See `prepare`.
     normalize_size : bool, default False
+        See `prepare`.
+    cadence : {"recorded", "steady"}, default "recorded"
+        See `prepare`.
+    symmetrize : bool, default False
         See `prepare`.
     frequency_range : tuple of float, default (0.3, 2.5)
         See `prepare`, in hertz.
@@ -48,16 +62,30 @@ class WalkPreparer(TransformerMixin, BaseEstimator):
     def __init__(
         self,
         *,
+        max_gap: float | None = None,
+        cutoff: float | None = None,
+        frame_rate: float | None = None,
+        camera: str = "still",
         clip: str = "steady",
+        frequency: str = "search",
         heading: str | None = "path",
         treadmill: bool = True,
         normalize_size: bool = False,
+        cadence: str = "recorded",
+        symmetrize: bool = False,
         frequency_range: tuple[float, float] = FREQUENCY_RANGE,
     ) -> None:
+        self.max_gap = max_gap
+        self.cutoff = cutoff
+        self.frame_rate = frame_rate
+        self.camera = camera
         self.clip = clip
+        self.frequency = frequency
         self.heading = heading
         self.treadmill = treadmill
         self.normalize_size = normalize_size
+        self.cadence = cadence
+        self.symmetrize = symmetrize
         self.frequency_range = frequency_range
 
     def fit(self, X: Sequence[Walk | JointWalk], y: object = None) -> Self:

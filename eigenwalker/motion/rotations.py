@@ -3,11 +3,19 @@
 An exponential map is a vector r of three numbers: the axis r / |r| and the angle |r| in radians.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["euler_from_rotvec", "forward_kinematics", "rotvec_from_euler", "unroll_rotvec"]
+__all__ = [
+    "euler_from_rotvec",
+    "forward_kinematics",
+    "rotvec_from_channels",
+    "rotvec_from_euler",
+    "unroll_rotvec",
+]
 
 _LOCKED = 1e-9  # two of the three angles are about one axis where a cosine or sine is smaller
 
@@ -58,26 +66,84 @@ def rotvec_from_euler(angles: ArrayLike, order: str) -> NDArray[np.float64]:
 
 @njit(cache=True, nogil=True)
 def _rotvec_from_euler(angles, axes):
-    """Multiply one quaternion (w, x, y, z) a letter from the left to the right, and take the logarithm."""
     n_rotations, n_axes = angles.shape
     out = np.empty((n_rotations, 3))
     for i in range(n_rotations):
         w, x, y, z = 1.0, 0.0, 0.0, 0.0
         for j in range(n_axes):
-            c = np.cos(0.5 * angles[i, j])
-            s = np.sin(0.5 * angles[i, j])
-            if axes[j] == 0:
-                w, x, y, z = w * c - x * s, x * c + w * s, y * c + z * s, z * c - y * s
-            elif axes[j] == 1:
-                w, x, y, z = w * c - y * s, x * c - z * s, y * c + w * s, z * c + x * s
-            else:
-                w, x, y, z = w * c - z * s, x * c + y * s, y * c - x * s, z * c + w * s
-        if w < 0:
-            w, x, y, z = -w, -x, -y, -z
-        sine = np.sqrt(x * x + y * y + z * z)
-        scale = 2.0 if sine < 1e-12 else 2.0 * np.arctan2(sine, w) / sine
-        for axis, entry in enumerate((x, y, z)):
-            out[i, axis] = scale * entry
+            w, x, y, z = _turn_quaternion(w, x, y, z, axes[j], angles[i, j])
+        scale = _logarithm_scale(w, x, y, z)
+        out[i, 0], out[i, 1], out[i, 2] = scale * x, scale * y, scale * z
+    return out
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _turn_quaternion(w, x, y, z, axis, angle):
+    """Multiply a quaternion from the right with that of a turn about one of the axes."""
+    c = np.cos(0.5 * angle)
+    s = np.sin(0.5 * angle)
+    if axis == 0:
+        return w * c - x * s, x * c + w * s, y * c + z * s, z * c - y * s
+    if axis == 1:
+        return w * c - y * s, x * c - z * s, y * c + w * s, z * c + x * s
+    return w * c - z * s, x * c + y * s, y * c - x * s, z * c + w * s
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _logarithm_scale(w, x, y, z):
+    """Return the factor that makes the vector part of a quaternion the exponential map of at most half a turn."""
+    sine = np.sqrt(x * x + y * y + z * z)
+    sign = -1.0 if w < 0 else 1.0
+    return sign * (2.0 if sine < 1e-12 else 2.0 * np.arctan2(sine, sign * w) / sine)
+
+
+def rotvec_from_channels(channels: ArrayLike, columns: Sequence[Sequence[int]], orders: Sequence[str]) -> NDArray:
+    """Return exponential maps of many joints without jumps: `rotvec_from_euler`, then `unroll_rotvec`, in one pass.
+
+    Parameters
+    ----------
+    channels : array-like of shape (n_frames, n_channels)
+        Angles in radians, among whatever other channels there are.
+    columns : sequence of sequence of int
+        For each joint the columns of its angles, from none on.
+    orders : sequence of str
+        For each joint the axes of those angles, X, Y and Z, from left to right.
+
+    Returns
+    -------
+    ndarray of shape (n_frames, n_joints, 3)
+        In radians.
+
+    Examples
+    --------
+    >>> from eigenwalker.motion.rotations import rotvec_from_channels
+    >>> rotvec_from_channels([[7.0, 3.0], [7.0, 3.5]], [[], [1]], ["", "Z"])[:, 1].round(6) + 0.0
+    array([[0. , 0. , 3. ],
+           [0. , 0. , 3.5]])
+    """
+    channels = np.ascontiguousarray(channels, dtype=np.float64)
+    most = max(map(len, columns), default=0)
+    places = np.array([[*joint, *[-1] * (most - len(joint))] for joint in columns], dtype=np.int64)
+    axes = np.array([["XYZ".index(letter) for letter in order.ljust(most, "X")] for order in orders], dtype=np.int64)
+    shape = (len(columns), most)
+    return _rotvec_from_channels(channels, places.reshape(shape), axes.reshape(shape))  # also where there are none
+
+
+@njit(cache=True, nogil=True)
+def _rotvec_from_channels(channels, columns, axes):
+    n_joints, n_axes = columns.shape
+    out = np.empty((len(channels), n_joints, 3))
+    for frame in range(len(channels)):
+        for joint in range(n_joints):
+            w, x, y, z = 1.0, 0.0, 0.0, 0.0
+            for j in range(n_axes):
+                column = columns[joint, j]
+                if column >= 0:
+                    w, x, y, z = _turn_quaternion(w, x, y, z, axes[joint, j], channels[frame, column])
+            scale = _logarithm_scale(w, x, y, z)
+            out[frame, joint, 0], out[frame, joint, 1], out[frame, joint, 2] = scale * x, scale * y, scale * z
+            if frame > 0:
+                _unroll_one(out, frame, joint)
     return out
 
 
@@ -198,25 +264,29 @@ def unroll_rotvec(rotvec: ArrayLike) -> NDArray[np.float64]:
 def _unroll(rotvec):
     n_frames, n_joints, _ = rotvec.shape
     out = rotvec.copy()
-    turn = 2.0 * np.pi
-    for joint in range(n_joints):
-        for frame in range(1, n_frames):
-            x, y, z = out[frame, joint]
-            px, py, pz = out[frame - 1, joint]
-            angle = np.sqrt(x * x + y * y + z * z)
-            if angle < 1e-12:
-                # The identity: any axis will do for a full turn, so the one before is kept.
-                before = np.sqrt(px * px + py * py + pz * pz)
-                if before > np.pi:
-                    scale = turn * np.round(before / turn) / before
-                    for axis in range(3):
-                        out[frame, joint, axis] = scale * out[frame - 1, joint, axis]
-                continue
-            along = (x * px + y * py + z * pz) / angle
-            scale = 1.0 + turn * np.round((along - angle) / turn) / angle
-            for axis in range(3):
-                out[frame, joint, axis] *= scale
+    for frame in range(1, n_frames):
+        for joint in range(n_joints):
+            _unroll_one(out, frame, joint)
     return out
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _unroll_one(out, frame, joint):
+    """Take the exponential map nearest to that of the frame before, in place."""
+    turn = 2.0 * np.pi
+    x, y, z = out[frame, joint, 0], out[frame, joint, 1], out[frame, joint, 2]
+    px, py, pz = out[frame - 1, joint, 0], out[frame - 1, joint, 1], out[frame - 1, joint, 2]
+    angle = np.sqrt(x * x + y * y + z * z)
+    if angle >= 1e-12:
+        along = (x * px + y * py + z * pz) / angle
+        scale = 1.0 + turn * np.round((along - angle) / turn) / angle
+        out[frame, joint, 0], out[frame, joint, 1], out[frame, joint, 2] = scale * x, scale * y, scale * z
+        return
+    # The identity: any axis will do for a full turn, so the one before is kept.
+    before = np.sqrt(px * px + py * py + pz * pz)
+    if before > np.pi:
+        scale = turn * np.round(before / turn) / before
+        out[frame, joint, 0], out[frame, joint, 1], out[frame, joint, 2] = scale * px, scale * py, scale * pz
 
 
 def forward_kinematics(
