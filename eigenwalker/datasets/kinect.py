@@ -69,7 +69,7 @@ def fetch_kinect_gait(
     Parameters
     ----------
     subset : {"all", "checked"}, default "all"
-        "all" are the 821 walks of 164 people, about 400 MB. "checked" are the 246 walks whose checksums are known,
+        "all" are the 821 walks of 164 people, 411 MB. "checked" are the 246 walks whose checksums are known,
         124 MB: the first three of each of 82 people, 27 women and 55 men.
     data_home : str or path, default None
         The folder to keep the files in, below ``kinect_gait``. None is that of `get_data_home`.
@@ -119,11 +119,11 @@ def fetch_kinect_gait(
 
     Notes
     -----
-    The files are those of one commit of the repository. For the "checked" walks, size and sha256 checksum are checked
-    when they are downloaded and at every later call: files that were damaged or edited are fetched again, with a
-    warning. For the other recordings and the table of persons neither is known. They are taken if they are delivered
-    whole and start as they should, and the recordings are checked by reading them; delete one that is refused
-    to fetch it again.
+    The files are those of one commit of the repository. When they are downloaded and at every later call, the size of
+    every recording is checked, and the sha256 checksum of the "checked" ones: files that were damaged or edited are
+    fetched again, with a warning. Without a checksum, a change that keeps the size is found only if it makes the
+    recording unreadable; delete one that is refused to fetch it again. Of the table of persons neither is known: it is
+    taken if it is delivered whole and starts as it should.
 
     Examples
     --------

@@ -79,19 +79,22 @@ class TestManifests:
         for file in files:
             assert re.fullmatch(r"[\w./-]+\.(bvh|txt|csv)", file.path)
             assert ".." not in file.path
-            assert (file.size is None) == (file.sha256 is None)
-            assert file.sha256 is None or (re.fullmatch("[0-9a-f]{64}", file.sha256) and file.size > 1000)
+            assert file.size is None or file.size > 1000
+            assert file.sha256 is None or (re.fullmatch("[0-9a-f]{64}", file.sha256) and file.size is not None)
 
-    @pytest.mark.parametrize(("name", "n_files", "n_checked"), [
-        ("bandai_walks", 175, 175), ("cmu_walks", 27, 27), ("kinect_gait", 822, 246),
+    @pytest.mark.parametrize(("name", "n_files", "n_sizes", "n_checksums"), [
+        ("bandai_walks", 175, 175, 175), ("cmu_walks", 27, 27, 27), ("kinect_gait", 822, 821, 246),
     ])  # fmt: skip
-    def test_counts(self, name, n_files, n_checked):
+    def test_counts(self, name, n_files, n_sizes, n_checksums):
         files = read_manifest(name)
-        assert (len(files), sum(file.sha256 is not None for file in files)) == (n_files, n_checked)
+        assert len(files) == n_files
+        assert sum(file.size is not None for file in files) == n_sizes
+        assert sum(file.sha256 is not None for file in files) == n_checksums
 
-    def test_kinect_has_164_people(self):
+    def test_kinect_has_164_people_and_the_size_of_every_recording(self):
         _, *recordings = read_manifest("kinect_gait")
         assert len({file.path.split("/")[1] for file in recordings}) == 164
+        assert sum(file.size for file in recordings) == 411_400_579
 
 
 class TestBandai:
@@ -161,18 +164,20 @@ PERSONS = HEADER + "Person001,1.63,,,F ,0,,S\r\nPerson002,1.75,80,31,M,0, S,  \r
 
 
 class TestWithoutChecksum:
-    """Recordings that are known by their paths only: a small data set of one person."""
+    """Recordings of which only the size is known, and a table of which not even that: a small data set."""
 
     @pytest.fixture
     def small(self, data_dir, monkeypatch):
         recording = (data_dir / "kinect" / "Person001" / "1.txt").read_bytes()
         paths = ["Data/Person001/1.txt", "Data/Person002/1.txt", "Data/Person002/2.txt"]
-        files = [RemoteFile(path, None, None) for path in ["GenderBMIData/person-data.csv", *paths]]
+        table = RemoteFile("GenderBMIData/person-data.csv", None, None)
+        files = [table, *(RemoteFile(path, len(recording), None) for path in paths)]
         monkeypatch.setattr(kinect, "read_manifest", lambda name: files)
-        contents = dict.fromkeys(paths, recording) | {files[0].path: PERSONS.encode()}
+        contents = dict.fromkeys(paths, recording) | {table.path: PERSONS.encode()}
         prefix = f"{kinect._REPOSITORY.title}/{kinect._REPOSITORY.commit}/"
         with serve({prefix + path: content for path, content in contents.items()}) as server:
             server.prefix = prefix
+            server.size = len(recording)
             yield server
 
     def test_all_are_fetched(self, small, tmp_path):
@@ -185,13 +190,34 @@ class TestWithoutChecksum:
         assert values[1].tolist() == ["Person002", "M", 1.75, 80, 31, True, False]
 
     def test_a_recording_that_cannot_be_read(self, small, tmp_path):
-        small.contents[small.prefix + "Data/Person002/1.txt"] = b"Head;1;2;3\r\nSpine;1;2;3\r\n"
+        small.contents[small.prefix + "Data/Person002/1.txt"] = b"Head;1;2;3\r\n".ljust(small.size, b"?")
         with pytest.raises(WalkError, match=r"1 of 3 recordings were refused; .*on_error='skip'(.|\n)*Person002/1.txt"):
             fetch_kinect_gait(data_home=tmp_path, base_url=small.url)
         with pytest.warns(UserWarning, match="1 of 3 recordings were refused and left out"):
             bunch = fetch_kinect_gait(data_home=tmp_path, base_url=small.url, on_error="skip")
         assert list(bunch.target.index) == [walk.name for walk in bunch.data] == ["Person001_1", "Person002_2"]
         assert bunch.target.person.tolist() == list(bunch.groups) == ["Person001", "Person002"]
+
+    def test_a_wrong_size_is_refused(self, small, tmp_path):
+        small.contents[small.prefix + "Data/Person002/1.txt"] = b"Head;1;2;3\r\n"
+        message = rf"1 of 4 files could not be fetched(.|\n)*Person002/1.txt: expected {small.size} bytes, got 12 from"
+        with pytest.raises(OSError, match=message):
+            fetch_kinect_gait(data_home=tmp_path, base_url=small.url)
+        assert not (tmp_path / "kinect_gait/Data/Person002/1.txt").exists()
+
+    def test_a_recording_that_was_cut_is_fetched_again(self, small, tmp_path):
+        fetch_kinect_gait(data_home=tmp_path, base_url=small.url)
+        path = tmp_path / "kinect_gait/Data/Person002/1.txt"
+        whole = path.read_bytes()
+        path.write_bytes(whole[:-1])
+        with pytest.warns(UserWarning, match=rf"fetched again:\n  Data/Person002/1.txt: expected {small.size} bytes"):
+            fetch_kinect_gait(data_home=tmp_path, base_url=small.url)
+        assert path.read_bytes() == whole
+
+    def test_a_size_does_not_tell_whether_pieces_fit(self, small, tmp_path):
+        small.cuts[small.prefix + "Data/Person002/1.txt"] = [1000]
+        fetch_kinect_gait(data_home=tmp_path, base_url=small.url, n_retries=1, delay=0.0)
+        assert small.ranges("Data/Person002/1.txt") == [None, None]
 
     def test_a_person_without_a_row(self, small, tmp_path):
         small.contents[small.prefix + "GenderBMIData/person-data.csv"] = HEADER.encode()
