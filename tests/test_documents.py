@@ -7,6 +7,12 @@ from pathlib import Path
 
 import pytest
 
+from eigenwalker import read_walk, read_walks
+from eigenwalker.cli import main
+from eigenwalker.io.formats import READERS, WRITERS
+from eigenwalker.motion import prepare, prepare_walks, split_passes
+from notebooks.synthetic_recordings import write_recordings
+
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)
@@ -16,8 +22,9 @@ NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
 @pytest.mark.parametrize("number", range(len(BLOCKS)))
 def test_readme_examples_run(number, tmp_path, monkeypatch, request):
     monkeypatch.chdir(tmp_path)
-    if "bandai2" in BLOCKS[number]:
-        os.symlink((request.getfixturevalue("data_dir") / "bandai2").resolve(), tmp_path / "bandai2")
+    for folder in ("bandai2", "horst_c3d", "kinect"):
+        if folder in BLOCKS[number]:
+            os.symlink((request.getfixturevalue("data_dir") / folder).resolve(), tmp_path / folder)
     exec(compile(BLOCKS[number], f"README example {number}", "exec"), {"__name__": "readme"})
 
 
@@ -38,3 +45,31 @@ def test_notebooks_hold_no_logic(path):
     cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
     code = "".join("".join(cell["source"]) + "\n" for cell in cells if cell["cell_type"] == "code")
     assert not re.findall(r"^\s*(def|class) ", code, flags=re.MULTILINE)
+
+
+def test_readme_lists_all_formats():
+    rows = README.partition("| format |")[2].partition("\n\n")[0]
+    for ending in READERS:
+        use = re.search(rf"`{re.escape(ending)}`[^|]*\| ([a-z, ]+) \|", rows)
+        assert use is not None, ending
+        assert use[1] == ("read, write" if ending in WRITERS else "read")
+
+
+def test_readme_options_are_there(capsys):
+    section = README.partition("## Any recording")[2].partition("\n## ")[0]
+    with pytest.raises(SystemExit):
+        main(["fit", "--help"])
+    printed = capsys.readouterr().out
+    assert not [option for option in re.findall(r"--[a-z][a-z-]+", section) if option not in printed]
+
+
+def test_synthetic_recordings_of_the_notebooks(tmp_path):
+    """They are read and prepared like the recorded ones whose places they take."""
+    folder = write_recordings(tmp_path)
+    acted = read_walks(sorted(folder.glob("bandai2/*.bvh")), unit="cm")
+    assert len({walk.name.split("_")[2] for walk in acted}) == 7
+    static = read_walk(folder / "horst_c3d" / "S01_0001_Static.c3d")
+    optical = read_walks(sorted(folder.glob("horst_c3d/*_Gait.c3d")))
+    kinect = split_passes(read_walk(folder / "kinect" / "Person001" / "1.txt").to_markers())
+    assert len(prepare_walks([acted[0], *(walk.to_markers(static=static) for walk in optical)])) == 11
+    assert [prepare(one, camera="moving").name for one in kinect] == ["1_pass1", "1_pass2"]

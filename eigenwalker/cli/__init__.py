@@ -3,11 +3,11 @@
 import argparse
 import sys
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from threadpoolctl import threadpool_limits
 
-from eigenwalker.cli import demo, fit, walk
+from eigenwalker.cli import demo, fit, gait, walk
 
 __all__ = ["main"]
 
@@ -29,7 +29,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     # The matrices are small: threads of the linear algebra would only wait for each other.
     with warnings.catch_warnings(), threadpool_limits(limits=1):
-        warnings.showwarning = _print_warning
+        warnings.showwarning = _warning_printer()
         try:
             options.run(options)
         except (ValueError, TypeError, OSError, ImportError) as error:
@@ -44,7 +44,7 @@ def _make_parser() -> argparse.ArgumentParser:
         description="Statistics of human walking: learn what walkers differ in, and make walks along it.",
     )
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for module in (demo, fit, walk):
+    for module in (demo, gait, fit, walk):
         name = module.__name__.rpartition(".")[2]
         command = commands.add_parser(name, help=module.HELP, description=module.DESCRIPTION)
         module.add_arguments(command)
@@ -52,6 +52,13 @@ def _make_parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _print_warning(message: Warning | str, category: type[Warning], *_: object, **__: object) -> None:
-    if not issubclass(category, (DeprecationWarning, PendingDeprecationWarning)):
-        print(f"eigenwalker: note: {message}", file=sys.stderr)
+def _warning_printer() -> Callable[..., None]:
+    """Return what prints each warning once."""
+    said = set()
+
+    def show(message: Warning | str, category: type[Warning], *_: object, **__: object) -> None:
+        if str(message) not in said and not issubclass(category, (DeprecationWarning, PendingDeprecationWarning)):
+            print(f"eigenwalker: note: {message}", file=sys.stderr)
+        said.add(str(message))
+
+    return show

@@ -1,10 +1,13 @@
 """Labels on the command line: from a table, or from the names of the files."""
 
 import re
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
 import pandas as pd
+
+from eigenwalker.cli._file_names import name_depth, short_name
 
 __all__ = ["labels_from_names", "labels_from_table"]
 
@@ -15,7 +18,8 @@ def labels_from_table(table_path: Path, paths: Sequence[Path], columns: Sequence
     Parameters
     ----------
     table_path : Path
-        A CSV file with a column ``file`` (with or without folder and suffix) and one column a trait or group.
+        A CSV file with a column ``file`` and one column a trait or group. Files may be written with or without suffix
+        and folders; where files of the same name lie in several folders, with as many folders as tell them apart.
     paths : sequence of Path
         The files.
     columns : sequence of str
@@ -38,20 +42,21 @@ def labels_from_table(table_path: Path, paths: Sequence[Path], columns: Sequence
             f"{table_path}: expected the columns file, {', '.join(columns)}; {', '.join(missing)} not found, "
             f"it has {', '.join(map(str, table.columns))}"
         )
-    stems = table["file"].map(lambda name: Path(name).stem)
-    wanted = [path.stem for path in paths]
-    faults = _mismatches(table_path, stems.tolist(), wanted)
+    depth = name_depth(paths)
+    wanted = [short_name(path, depth) for path in paths]
+    listed = table["file"].fillna("").map(lambda name: short_name(Path(name or " "), depth))
+    faults = _mismatches(table_path, listed.tolist(), wanted)
     if faults:
         raise ValueError("; ".join(faults))
-    return table.set_index(stems).loc[wanted, list(columns)]
+    return table.set_index(listed).loc[wanted, list(columns)]
 
 
-def _mismatches(table_path: Path, stems: list[str], wanted: list[str]) -> list[str]:
+def _mismatches(table_path: Path, listed: list[str], wanted: list[str]) -> list[str]:
     groups = {
-        "files without a row in the table": sorted(set(wanted) - set(stems)),
-        "rows without a file": sorted(set(stems) - set(wanted)),
-        "files with more than one row": sorted({stem for stem in stems if stems.count(stem) > 1}),
-        "files of the same name": sorted({stem for stem in wanted if wanted.count(stem) > 1}),
+        "files without a row in the table": sorted(set(wanted) - set(listed)),
+        "rows without a file": sorted(set(listed) - set(wanted)),
+        "files with more than one row": sorted(name for name, count in Counter(listed).items() if count > 1),
+        "files of the same name": sorted(name for name, count in Counter(wanted).items() if count > 1),
     }
     return [
         f"{table_path}: {len(names)} {what}: {', '.join(names[:10])}{' ...' if len(names) > 10 else ''}"
@@ -66,8 +71,8 @@ def labels_from_names(pattern: str, paths: Sequence[Path], columns: Sequence[str
     Parameters
     ----------
     pattern : str
-        A regular expression, searched in each file's name. Its named groups are columns, (?P<style>[a-z]+); a
-        single group without a name is the only wanted column.
+        A regular expression, searched in each file's name, or in its path if the expression has a slash in it. Its
+        named groups are columns, (?P<style>[a-z]+); a single group without a name is the only wanted column.
     paths : sequence of Path
         The files.
     columns : sequence of str
@@ -93,15 +98,17 @@ def labels_from_names(pattern: str, paths: Sequence[Path], columns: Sequence[str
         raise ValueError(
             f"--label-pattern: {pattern!r} has no group for {', '.join(lacking)}; write (?P<{lacking[0]}>...) there"
         )
-    matches = [expression.search(path.name) for path in paths]
-    silent = [path.name for path, match in zip(paths, matches, strict=True) if match is None]
+    names = [path.as_posix() if "/" in pattern else path.name for path in paths]
+    matches = [expression.search(name) for name in names]
+    silent = [name for name, match in zip(names, matches, strict=True) if match is None]
     if silent:
         raise ValueError(
             f"--label-pattern: {pattern!r} does not match {len(silent)} of {len(paths)} files: "
             f"{', '.join(silent[:10])}{' ...' if len(silent) > 10 else ''}"
         )
     rows = [[match[1 if unnamed else name] for name in columns] for match in matches if match is not None]
-    table = pd.DataFrame(rows, columns=list(columns), index=[path.stem for path in paths])
+    depth = name_depth(paths)
+    table = pd.DataFrame(rows, columns=list(columns), index=[short_name(path, depth) for path in paths])
     return table.apply(_numbers_if_all)
 
 

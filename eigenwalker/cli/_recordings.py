@@ -2,32 +2,55 @@
 
 import argparse
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import NamedTuple
 
 from eigenwalker._collect import Refusal, collect
-from eigenwalker.cli._marker_map import read_marker_map
+from eigenwalker.cli._file_names import name_depth, short_name
+from eigenwalker.cli._preparation import (
+    Preparation,
+    add_preparation_arguments,
+    find_walks,
+    make_preparation,
+    prepare_walk,
+)
 from eigenwalker.io.formats import read_walk
-from eigenwalker.motion.preparation import prepare
-from eigenwalker.motion.rig import Rig
 from eigenwalker.motion.walk import Walk
 
-__all__ = ["add_reading_arguments", "load", "reading_options"]
+__all__ = ["Loaded", "add_collecting_arguments", "add_recording_arguments", "list_reasons", "load"]
+
+_Prepared = tuple[list[Walk | None], list[Refusal]]
 
 
-def add_reading_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments that say what the numbers in a file mean."""
-    parser.add_argument(
+class Loaded(NamedTuple):
+    """What came of recordings.
+
+    Parameters
+    ----------
+    walks : list of Walk or None
+        One for each recording or each of its passes; None where it was refused.
+    files : list of int
+        Which of the files each of them is from.
+    refusals : list of Refusal
+        The reasons, in the same order.
+    """
+
+    walks: list[Walk | None]
+    files: list[int]
+    refusals: list[Refusal]
+
+
+def add_recording_arguments(parser: argparse.ArgumentParser, *, events: bool = True) -> None:
+    """Add the arguments that say what the numbers in a file mean, and those of `add_preparation_arguments`."""
+    group = parser.add_argument_group("what the numbers in the files mean")
+    group.add_argument(
         "--unit", type=_unit, metavar="UNIT", help="unit of length: m, cm, mm, in or metres per unit (BVH: cm)"
     )
-    parser.add_argument("--up", choices=("y", "z"), help="axis that points up in the files (BVH: y)")
-    parser.add_argument("--frame-rate", type=float, metavar="HZ", help="frames per second, in place of the files'")
-    parser.add_argument(
-        "--markers",
-        type=Path,
-        metavar="MAP.json",
-        help='which recorded markers make the 15, {"head": "HEAD", "left_knee": {"LKNE": 0.5, "LKNM": 0.5}, ...}',
-    )
+    group.add_argument("--up", choices=("y", "z"), help="axis that points up in the files (BVH: y)")
+    group.add_argument("--frame-rate", type=float, metavar="HZ", help="frames per second, in place of the files'")
+    add_preparation_arguments(parser, events=events)
 
 
 def _unit(text: str) -> str | float:
@@ -37,34 +60,64 @@ def _unit(text: str) -> str | float:
         return text
 
 
-def reading_options(options: argparse.Namespace) -> dict[str, object]:
-    """Return the arguments of `read_walk` that were given."""
-    given = {"unit": options.unit, "up": options.up, "frame_rate": options.frame_rate}
-    return {name: value for name, value in given.items() if value is not None}
+def add_collecting_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of commands that take many recordings."""
+    group = parser.add_argument_group("many recordings")
+    group.add_argument("--skip-bad", action="store_true", help="leave out recordings that cannot be used")
+    group.add_argument("--jobs", type=int, metavar="N", help="number of processes for reading")
 
 
 def load(
-    paths: Sequence[Path], *, reading: dict[str, object], markers: Path | None = None, n_jobs: int | None = None
-) -> tuple[list[Walk | None], list[Refusal]]:
-    """Return the prepared walks, None where a file or its walk is refused, and the refusals.
+    paths: Sequence[Path], options: argparse.Namespace, *, feet: bool = False, n_jobs: int | None = None
+) -> Loaded:
+    """Return the prepared walks in files, and the refusals.
 
     Parameters
     ----------
     paths : sequence of Path
         The files.
-    reading : dict
-        Arguments of `read_walk`.
-    markers : Path, default None
-        JSON file that says which recorded markers make the 15; see `read_marker_map`. None recognises known sets.
+    options : Namespace
+        With the arguments of `add_recording_arguments`.
+    feet : bool, default False
+        Whether markers of heels and toes are kept where there are any.
     n_jobs : int, default None
         Number of processes.
     """
-    names = [str(path) for path in paths]
-    rig = read_marker_map(markers) if markers is not None else None
-    job = partial(_read_and_prepare, reading=reading, rig=rig)
-    return collect(job, paths, names, n_jobs=n_jobs, progress=True, description="reading")
+    reading = _reading_options(options)
+    job = partial(_read_and_prepare, reading=reading, preparation=make_preparation(options, reading=reading, feet=feet))
+    depth = name_depth(paths)
+    found, refusals = collect(
+        job,
+        [(path, short_name(path, depth)) for path in paths],
+        [str(path) for path in paths],
+        n_jobs=n_jobs,
+        progress=True,
+        description="reading",
+    )
+    unread = iter(refusals)
+    outcomes: list[_Prepared] = [one if one is not None else ([None], [next(unread)]) for one in found]
+    return Loaded(
+        walks=[walk for walks, _ in outcomes for walk in walks],
+        files=[file for file, (walks, _) in enumerate(outcomes) for _ in walks],
+        refusals=[refusal for _, refused in outcomes for refusal in refused],
+    )
 
 
-def _read_and_prepare(path: Path, *, reading: dict[str, object], rig: Rig | None) -> Walk:
-    walk = read_walk(path, **reading)
-    return prepare(walk if rig is None else walk.to_markers(rig))
+def _reading_options(options: argparse.Namespace) -> dict[str, object]:
+    """Return the arguments of `read_walk` that were given."""
+    given = {"unit": options.unit, "up": options.up, "frame_rate": options.frame_rate}
+    return {name: value for name, value in given.items() if value is not None}
+
+
+def _read_and_prepare(file: tuple[Path, str], *, reading: dict[str, object], preparation: Preparation) -> _Prepared:
+    path, name = file
+    walks = find_walks(replace(read_walk(path, **reading), name=name), preparation)
+    return collect(partial(prepare_walk, preparation=preparation), walks, [walk.name for walk in walks])
+
+
+def list_reasons(refusals: Sequence[Refusal]) -> str:
+    """Return one line a refusal."""
+    return "\n".join(
+        f"  {refusal.reason}" if refusal.name in refusal.reason else f"  {refusal.name}: {refusal.reason}"
+        for refusal in refusals
+    )

@@ -1,7 +1,6 @@
 """``eigenwalker fit``: recordings and labels become a model."""
 
 import argparse
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -13,11 +12,17 @@ from sklearn.model_selection import LeaveOneGroupOut, cross_val_predict
 from sklearn.pipeline import Pipeline
 from tqdm import tqdm
 
-from eigenwalker._collect import Refusal
 from eigenwalker.cli._label_table import labels_from_names, labels_from_table
-from eigenwalker.cli._recordings import add_reading_arguments, load, reading_options
+from eigenwalker.cli._recordings import (
+    Loaded,
+    add_collecting_arguments,
+    add_recording_arguments,
+    list_reasons,
+    load,
+)
 from eigenwalker.model.eigenwalkers import make_eigenwalkers
 from eigenwalker.model.traits import TraitRegressor
+from eigenwalker.motion.strides import pool_walks
 from eigenwalker.motion.walk import Walk
 from eigenwalker.persistence import save_model
 
@@ -31,73 +36,128 @@ DESCRIPTION = (
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's arguments."""
     parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help="recordings")
-    source = parser.add_mutually_exclusive_group(required=True)
+    parser.add_argument("--out", required=True, type=Path, metavar="MODEL", help="file for the model, such as my.skops")
+    _add_label_arguments(parser.add_argument_group("labels"))
+    model = parser.add_argument_group("the model")
+    model.add_argument("--components", type=int, default=15, metavar="N", help="number of Eigenwalkers (15)")
+    model.add_argument("--harmonics", type=int, default=2, metavar="N", help="number of harmonics (2)")
+    model.add_argument(
+        "--scaling",
+        choices=("blocks", "features", "noise", "none"),
+        default="blocks",
+        help="what is brought to one scale: frequency and posture; every feature; every feature by how much it varies "
+        "within a person (--group), for noisy sensors; or nothing (blocks)",
+    )
+    add_collecting_arguments(parser)
+    add_recording_arguments(parser)
+
+
+def _add_label_arguments(group: argparse._ArgumentGroup) -> None:
+    source = group.add_mutually_exclusive_group(required=True)
     source.add_argument("--labels", type=Path, metavar="CSV", help="table with columns file, person, TRAIT ...")
     source.add_argument(
-        "--label-pattern", metavar="REGEX", help="labels out of the file names, such as 'walk_(?P<style>[a-z]+)_'"
+        "--label-pattern",
+        metavar="REGEX",
+        help="labels out of the file names, such as 'walk_(?P<style>[a-z]+)_', or out of the paths, if there is a / in "
+        "it, such as '(?P<person>[^/]+)/[^/]+$'",
     )
-    parser.add_argument(
-        "--trait", required=True, action="append", metavar="NAME", help="what to learn; may be repeated"
+    group.add_argument("--trait", required=True, action="append", metavar="NAME", help="what to learn; may be repeated")
+    group.add_argument("--group", metavar="COLUMN", help="column or pattern group that says which person a file is of")
+    group.add_argument(
+        "--pool",
+        choices=("recording", "person"),
+        help="put walks together, stride by stride: all --passes of a recording, or all walks of a person (--group)",
     )
-    parser.add_argument("--group", metavar="COLUMN", help="column or pattern group that says which person a file is of")
-    parser.add_argument("--out", required=True, type=Path, metavar="MODEL", help="file for the model, such as my.skops")
-    parser.add_argument("--components", type=int, default=15, metavar="N", help="number of Eigenwalkers (15)")
-    parser.add_argument("--harmonics", type=int, default=2, metavar="N", help="number of harmonics (2)")
-    parser.add_argument("--skip-bad", action="store_true", help="leave out recordings that cannot be used")
-    parser.add_argument("--jobs", type=int, metavar="N", help="number of processes for reading")
-    add_reading_arguments(parser)
 
 
 def run(options: argparse.Namespace) -> None:
     """Learn, predict, print and save."""
+    _check(options)
     columns = list(dict.fromkeys([*options.trait, *([options.group] if options.group else [])]))
     if options.labels:
         labels = labels_from_table(options.labels, options.files, columns)
     else:
         labels = labels_from_names(options.label_pattern, options.files, columns)
-    walks, refusals = load(
-        options.files, reading=reading_options(options), markers=options.markers, n_jobs=options.jobs
+    loaded = load(options.files, options, n_jobs=options.jobs)
+    labels = labels.iloc[loaded.files]
+    used = np.array([walk is not None for walk in loaded.walks])
+    _report_refusals(loaded, labels, used, options)
+    walks = [walk for walk in loaded.walks if walk is not None]
+    labels = labels[used]
+    if options.pool is not None:
+        walks, labels = _pool(walks, labels, options)
+    traits = labels[options.trait]
+    persons = labels[options.group].to_numpy() if options.group else None
+    groups = persons if persons is not None else labels.index.to_numpy()  # passes of a recording stay together
+    model = make_eigenwalkers(
+        options.harmonics, options.components, scaling=None if options.scaling == "none" else options.scaling
     )
-    used = np.array([walk is not None for walk in walks])
-    _report_refusals(refusals, labels, used, options)
-    kept = [walk for walk in walks if walk is not None]
-    traits = labels.loc[used, options.trait]
-    persons = labels.loc[used, options.group].to_numpy() if options.group else None
-    model = make_eigenwalkers(options.harmonics, options.components)
-    _check_size(options.components, len(kept), persons)
-    model.fit(kept, traits, trait__groups=persons)
-    _report_model(model, kept)
-    _report_prediction(model, kept, traits, persons)
+    _check_size(options.components, groups)
+    noise = {"scaler__groups": persons} if options.scaling == "noise" and persons is not None else {}
+    model.fit(walks, traits, trait__groups=persons, **noise)
+    _report_model(model, walks)
+    _report_prediction(model, walks, traits, groups, noise, who="recording" if persons is None else "person")
     save_model(model, options.out)
     print(f"saved {options.out}; see a walk with:")
     print(f"  eigenwalker walk {options.out} --alpha {options.trait[0]}=2 --out walk.png")
 
 
+def _check(options: argparse.Namespace) -> None:
+    """Raise before all the reading if arguments do not go together."""
+    pool, noise = options.pool, options.scaling == "noise"
+    group = "needs --group, the column that says which person a file is of"
+    faults = [
+        (pool == "recording" and not options.passes, "--pool recording puts passes together; it needs --passes"),
+        (pool == "person" and options.group is None, f"--pool person {group}"),
+        (noise and options.group is None, f"--scaling noise {group}"),
+        (noise and pool == "person", "--scaling noise compares a person's walks, but --pool person leaves only one"),
+    ]
+    if any(is_there for is_there, _ in faults):
+        raise ValueError("; ".join(fault for is_there, fault in faults if is_there))
+
+
 def _report_refusals(
-    refusals: Sequence[Refusal], labels: pd.DataFrame, used: NDArray[np.bool_], options: argparse.Namespace
+    loaded: Loaded, labels: pd.DataFrame, used: NDArray[np.bool_], options: argparse.Namespace
 ) -> None:
-    """Print how many recordings of each label were refused, and why; stop unless they may be skipped."""
-    print(f"recordings: {len(used)}, refused: {len(refusals)}")
-    if not refusals:
+    """Print how many walks of each label were refused, and why; stop unless they may be skipped."""
+    what = "recordings" if not options.passes else "passes"
+    counted = f"recordings: {len(options.files)}, " + (f"passes: {len(used)}, " if options.passes else "")
+    print(f"{counted}refused: {len(loaded.refusals)}")
+    if not loaded.refusals:
         return
     for trait in options.trait:
         if labels[trait].nunique() <= 10:
             counts = pd.DataFrame({"label": labels[trait].to_numpy(), "refused": ~used})
             for label, refused in counts.groupby("label")["refused"]:
                 print(f"  {trait} {label}: {int(refused.sum())} of {len(refused)} refused")
-    reasons = "\n".join(f"  {refusal.reason}" for refusal in refusals)
+    reasons = list_reasons(loaded.refusals)
     if used.sum() == 0 or not options.skip_bad:
         advice = "" if options.skip_bad else "; mend them, or leave them out with --skip-bad"
-        raise ValueError(f"{len(refusals)} of {len(used)} recordings were refused{advice}:\n{reasons}")
+        raise ValueError(f"{len(loaded.refusals)} of {len(used)} {what} were refused{advice}:\n{reasons}")
     print(reasons)
 
 
-def _check_size(n_components: int, n_walks: int, persons: NDArray | None) -> None:
-    largest = 1 if persons is None else int(pd.Series(persons).value_counts().max())
-    if n_walks - largest <= n_components + 1:
+def _pool(walks: list[Walk], labels: pd.DataFrame, options: argparse.Namespace) -> tuple[list[Walk], pd.DataFrame]:
+    """Return one walk a recording or person, and its labels."""
+    owners = np.array(
+        [str(owner) for owner in (labels.index if options.pool == "recording" else labels[options.group])]
+    )
+    varied = labels.groupby(owners)[options.trait].nunique(dropna=False).gt(1)
+    faults = [f"{trait} of {', '.join(varied.index[varied[trait]][:10])}" for trait in varied if varied[trait].any()]
+    if faults:
+        raise ValueError(f"--pool person makes one walk with one label, but there are several: {'; '.join(faults)}")
+    pooled = pool_walks(walks, owners, on_error="skip" if options.skip_bad else "raise")
+    print(f"pooled: {len(walks)} walks of {len(pooled)} {options.pool}s")
+    firsts = labels.set_index(owners)
+    return pooled, firsts[~firsts.index.duplicated()].loc[[walk.name for walk in pooled]]
+
+
+def _check_size(n_components: int, groups: NDArray) -> None:
+    largest = int(pd.Series(groups).value_counts().max())
+    if len(groups) - largest <= n_components + 1:
         raise ValueError(
             f"{n_components} Eigenwalkers and a trait need more than {n_components + 1 + largest} walks, so that one "
-            f"person can be left out, got {n_walks}; give more recordings or fewer --components"
+            f"person can be left out, got {len(groups)}; give more recordings or fewer --components"
         )
 
 
@@ -108,36 +168,38 @@ def _report_model(model: Pipeline, walks: list[Walk]) -> None:
     print(f"{pca.n_components_} Eigenwalkers hold {pca.explained_variance_ratio_.sum():.1%} of the variance")
 
 
-def _report_prediction(model: Pipeline, walks: list[Walk], traits: pd.DataFrame, persons: NDArray | None) -> None:
+def _report_prediction(
+    model: Pipeline, walks: list[Walk], traits: pd.DataFrame, groups: NDArray, noise: dict[str, NDArray], *, who: str
+) -> None:
     """Print how well each trait is predicted for persons left out, beside what tempo alone gives."""
-    groups = np.arange(len(walks)) if persons is None else persons
     vectors = model["linearizer"].transform(walks)
     tempo = np.column_stack((vectors[:, -1], [walk.speed for walk in walks]))
-    who = "one person" if persons is not None else "one recording"
     for trait in tqdm(traits.columns, desc="leaving out", delay=2):
         known = traits[trait].notna().to_numpy()
         labels, parts = traits.loc[known, [trait]], groups[known]
         axis = Pipeline([*model.steps[1:-1], ("trait", TraitRegressor())])
-        guess = cross_val_predict(axis, vectors[known], labels, groups=parts, cv=LeaveOneGroupOut()).ravel()
+        within = {name: values[known] for name, values in noise.items()}
+        folds = LeaveOneGroupOut()
+        guess = cross_val_predict(axis, vectors[known], labels, groups=parts, cv=folds, params=within).ravel()
         fitted = TraitRegressor().fit(vectors[known], labels)
         codes = fitted.encode(labels)[:, 0]
-        print(f"{trait}, leaving out {who} at a time: {_agreement(codes, guess, fitted.is_two_valued(trait))}")
+        print(f"{trait}, leaving out one {who} at a time: {_agreement(codes, guess, fitted.is_two_valued(trait))}")
         if np.isfinite(tempo[known]).all():
-            plain = cross_val_predict(LinearRegression(), tempo[known], codes, groups=parts, cv=LeaveOneGroupOut())
+            plain = cross_val_predict(LinearRegression(), tempo[known], codes, groups=parts, cv=folds)
             print(f"  frequency and speed alone: {_agreement(codes, plain, fitted.is_two_valued(trait))}")
         if fitted.is_two_valued(trait):
             means = model["trait"].alpha_means_[trait]
             print("  mean alpha: " + ", ".join(f"{group} {alpha:+.2f}" for group, alpha in means.items()))
-    if persons is None:
+    if who == "recording":
         print("every recording was taken for another person; if persons recur, name them with --group")
 
 
 def _agreement(codes: NDArray[np.float64], guess: NDArray[np.float64], two_valued: bool) -> str:
     if not two_valued:
-        return f"r = {np.corrcoef(codes, guess)[0, 1]:.2f} over {len(codes)} recordings"
+        return f"r = {np.corrcoef(codes, guess)[0, 1]:.2f} over {len(codes)} walks"
     sides = np.where(guess > 0, 1.0, -1.0)
     larger = max(np.mean(codes > 0), np.mean(codes < 0))
     return (
         f"accuracy {np.mean(sides == codes):.1%}, balanced {balanced_accuracy_score(codes, sides):.1%} "
-        f"over {len(codes)} recordings (always the larger group: {larger:.1%})"
+        f"over {len(codes)} walks (always the larger group: {larger:.1%})"
     )

@@ -8,19 +8,6 @@ import pandas as pd
 import pytest
 
 from eigenwalker import TROJE15, MarkerSet, load_model, make_walkers, read_walk, write_walk
-from eigenwalker.cli import main
-
-
-@pytest.fixture
-def run(capsys):
-    """Run the command and return its exit status and what it printed."""
-
-    def call(*arguments):
-        status = main([str(argument) for argument in arguments])
-        printed = capsys.readouterr()
-        return status, printed.out, printed.err
-
-    return call
 
 
 @pytest.fixture(scope="module")
@@ -86,7 +73,7 @@ def test_labels_from_a_table(run, files, tmp_path):
     status, out, _ = run("fit", *files, *arguments, "--out", tmp_path / "m.skops")
     assert status == 0
     assert "mood, leaving out one person at a time: r = " in out
-    assert "over 19 recordings" in out
+    assert "over 19 walks" in out
     assert "taken for another person" not in out
 
 
@@ -165,7 +152,13 @@ def test_wrong_requests_for_a_walk_are_refused(run, files, tmp_path):
     cases = {
         "trait must be one of 'style', got 'mood'": [model, "--alpha", "mood=2", "--out", tmp_path / "w.csv"],
         "--alpha must be TRAIT=NUMBER, such as gender=2, got 'style'": [model, "--alpha", "style", "--out", "w.csv"],
-        " .trc, .tsv, _motion.tsv or .png, got w.fbx": [model, "--alpha", "style=1", "--out", "w.fbx"],
+        "--out must end in .c3d, .csv, .mat, .npz, .png, .trc, .tsv, _motion.tsv, got w.fbx": [
+            model,
+            "--alpha",
+            "style=1",
+            "--out",
+            "w.fbx",
+        ],
         "expected a model written by save_model": [files[0], "--alpha", "style=1", "--out", tmp_path / "w.csv"],
         "no.skops": [tmp_path / "no.skops", "--alpha", "style=1", "--out", tmp_path / "w.csv"],
     }
