@@ -48,7 +48,12 @@ def main() -> None:
         recordings, people = _load(folder, 20 if arguments.short else None)
         rows = _ROWS if not arguments.short else {name: _ROWS[name] for name in list(_ROWS)[3:5]}
         print_table("What preparation changes", _HEADER, _rows(recordings, people, rows))
-        _report_default(recordings, people, n_permutations=200 if arguments.short else 10_000)
+        scores = _report_default(recordings, people, n_permutations=200 if arguments.short else 10_000)
+    if not arguments.short:
+        wanted = {"balanced accuracy": 0.80, "AUC": 0.88}
+        print_targets(
+            (f"{name} {least}", f"{scores[name]:.3f}", scores[name] >= least) for name, least in wanted.items()
+        )
 
 
 def _load(folder: Path, n_people: int | None) -> tuple[list[Walk], pd.DataFrame]:
@@ -167,7 +172,7 @@ def _rows(walks: Sequence[Walk], people: pd.DataFrame, changes: Mapping[str, Map
     return rows
 
 
-def _report_default(walks: Sequence[Walk], people: pd.DataFrame, *, n_permutations: int) -> None:
+def _report_default(walks: Sequence[Walk], people: pd.DataFrame, *, n_permutations: int) -> dict[str, float]:
     options = {name: value for name, value in _DEFAULT.items() if name not in ("scaling", "n_components")}
     recordings = _vectorize(walks, **options)
     matrix = loo_matrix(recordings.vectors, _reduction("noise", _N_COMPONENTS), recordings.persons)
@@ -183,12 +188,7 @@ def _report_default(walks: Sequence[Walk], people: pd.DataFrame, *, n_permutatio
     print(f"  permutation p of the AUC {test.p_value:.4f} ({n_permutations} shuffles of people)")
     _report_parts(recordings, people["Gender"])
     _report_numbers(recordings, people, matrix)
-    print_targets(
-        [
-            ("balanced accuracy 0.80", f"{accuracy:.3f}", bool(accuracy >= 0.80)),
-            ("AUC 0.88", f"{area:.3f}", bool(area >= 0.88)),
-        ]
-    )
+    return {"balanced accuracy": accuracy, "AUC": area}
 
 
 def _interval(is_man: NDArray[np.bool_], decision: NDArray[np.float64]) -> tuple[float, float]:

@@ -1,6 +1,7 @@
 """Checks that every part of the package shares: shapes, rates, finiteness, names and choices."""
 
 import math
+from collections import Counter
 from collections.abc import Collection, Iterable, Sequence
 
 import numpy as np
@@ -87,7 +88,7 @@ def check_names(names: Iterable[str], *, name: str) -> tuple[str, ...]:
     wrong = [item for item in result if not isinstance(item, str) or not item]
     if wrong:
         raise TypeError(f"{name} must be non-empty strings, got {wrong[0]!r}")
-    repeated = sorted({item for item in result if result.count(item) > 1})
+    repeated = sorted(item for item, count in Counter(result).items() if count > 1)
     if repeated:
         raise ValueError(f"{name} must differ from each other, but these repeat: {', '.join(repeated)}")
     return result

@@ -7,13 +7,12 @@ from eigenwalker.io.bvh import read_bvh
 from eigenwalker.io.bvh_writer import write_bvh
 from eigenwalker.io.c3d import read_c3d, write_c3d
 from eigenwalker.io.formats import read_walk, read_walks, write_walk
-from eigenwalker.io.kinect import KINECT_TO_TROJE15, read_kinect
+from eigenwalker.io.kinect import read_kinect
 from eigenwalker.io.npz import read_npz, write_npz
 from eigenwalker.io.table import read_csv, write_csv
 from eigenwalker.io.trc import read_trc, write_trc
 
 __all__ = [
-    "KINECT_TO_TROJE15",
     "BmlFeatures",
     "bml_to_features",
     "features_to_bml",

@@ -5,11 +5,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from eigenwalker._validation import WalkError
-from eigenwalker.io._text import decimal, shown
+from eigenwalker.io._text import decimal, listed, shown
 
 __all__ = ["BvhJoint", "read_hierarchy"]
 
 _CHANNELS = frozenset(axis + kind for axis in "XYZ" for kind in ("position", "rotation"))
+_MOST_JOINTS = 5000  # a body with all fingers and a face has about 200
 
 
 @dataclass(frozen=True)
@@ -84,6 +85,7 @@ class _Tree:
 
     def __init__(self) -> None:
         self.joints: list[_Block] = []
+        self.by_name: dict[str, _Block] = {}
         self.ends: list[_Block] = []
         self.open: list[_Block] = []
         self.named: _Block | None = None  # a block whose brace is still to come
@@ -119,11 +121,13 @@ class _Tree:
     def _name_joint(self, keyword: str, line: int, name: str) -> None:
         if not name:
             raise WalkError(f"line {line}: expected a name after {keyword}, got none")
-        for block in self.joints:
-            if block.name == name:
-                raise WalkError(f"line {line}: expected a new name, got {shown(name)} again, as in line {block.line}")
+        if len(self.joints) == _MOST_JOINTS:
+            raise WalkError(f"line {line}: expected at most {_MOST_JOINTS} joints of a body, got more")
+        first = self.by_name.get(name)
+        if first is not None:
+            raise WalkError(f"line {line}: expected a new name, got {shown(name)} again, as in line {first.line}")
         parent = self.open[-1].position if self.open else -1
-        self.named = _Block(f"{keyword} {shown(name)}", name, line, parent, len(self.joints))
+        self.named = self.by_name[name] = _Block(f"{keyword} {shown(name)}", name, line, parent, len(self.joints))
         self.joints.append(self.named)
 
     def _end(self, line: int, rest: str) -> None:
@@ -167,7 +171,7 @@ class _Tree:
         roots = [f"{block.name!r} (line {block.line})" for block in self.joints if block.parent < 0]
         if len(roots) != 1:
             raise WalkError(
-                f"line {line}: expected one ROOT before MOTION, got {len(roots)}: {', '.join(roots) or 'none'}; "
+                f"line {line}: expected one ROOT before MOTION, got {len(roots)}: {listed(roots) or 'none'}; "
                 "split a file of several bodies into one file a body"
             )
         self.whole = True

@@ -5,16 +5,22 @@ Errors start with ``line 12:``; the reader puts the file's name before them.
 
 import math
 import re
+from array import array
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eigenwalker._validation import WalkError
 from eigenwalker.io._bvh_hierarchy import BvhJoint, read_hierarchy
+from eigenwalker.io._plain_numbers import parse_lines_of_numbers
 from eigenwalker.io._text import CUT, decimal, decode_lines, shown
+from eigenwalker.io._units import check_room
 
 __all__ = ["BvhText", "parse_bvh"]
+
+_HEAD_END = re.compile(rb"frame\s+time[^\r\n]*[\r\n]", re.IGNORECASE)
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,9 +45,44 @@ class BvhText:
     motion: NDArray[np.float64]
 
 
+class _Head(NamedTuple):
+    """What stands before the motion: the joints, its shape, and in which lines Frames and Frame Time are."""
+
+    joints: list[BvhJoint]
+    ends: list[tuple[int, tuple[float, ...]]]
+    frame_time: float
+    shape: tuple[int, int]
+    frames_line: int
+    time_line: int
+
+
 def parse_bvh(data: bytes) -> BvhText:
     """Return what the bytes of a BVH file say, or raise a WalkError that names the line."""
+    head, motion = _parse_plain(data) or _parse_lines(data)
+    check_room(len(head.joints), len(motion), len(data), line=head.frames_line)
+    return BvhText(head.joints, head.ends, head.frame_time, motion)
+
+
+def _parse_plain(data: bytes) -> tuple[_Head, NDArray[np.float64]] | None:
+    """Return head and motion of a plain and sound file, or None: `_parse_lines` can say what is wrong."""
+    end = _HEAD_END.search(data)
+    if end is None:
+        return None
+    try:
+        head = _read_head(_decode(data[: end.end()]))
+    except WalkError:
+        return None
+    motion = parse_lines_of_numbers(data, end.end(), head.shape)
+    return None if motion is None else (head, motion)
+
+
+def _parse_lines(data: bytes) -> tuple[_Head, NDArray[np.float64]]:
     lines = _decode(data)
+    head = _read_head(lines)
+    return head, _read_motion(lines, head.time_line, head.shape, head.frames_line)
+
+
+def _read_head(lines: list[str]) -> _Head:
     joints, ends, after = read_hierarchy(lines)
     n_channels = sum(len(joint.channels) for joint in joints)
     if n_channels == 0:
@@ -49,9 +90,7 @@ def parse_bvh(data: bytes) -> BvhText:
     frames, frames_line = _labelled(lines, after, "Frames")
     n_frames = _frame_count(frames, frames_line)
     seconds, time_line = _labelled(lines, frames_line, "Frame Time")
-    frame_time = _frame_time(seconds, time_line)
-    motion = _read_motion(lines, time_line, (n_frames, n_channels), frames_line)
-    return BvhText(joints, ends, frame_time, motion)
+    return _Head(joints, ends, _frame_time(seconds, time_line), (n_frames, n_channels), frames_line, time_line)
 
 
 def _decode(data: bytes) -> list[str]:
@@ -90,45 +129,37 @@ def _frame_time(text: str, line: int) -> float:
 
 
 def _read_motion(lines: list[str], start: int, shape: tuple[int, int], frames_line: int) -> NDArray[np.float64]:
-    """Return the numbers from position `start` on. The size comes from the lines, never from the header."""
-    rows = lines[start:]
-    problem = ""
-    if any(row.strip() for row in rows):
-        try:
-            motion = np.loadtxt(rows, comments=None, ndmin=2)
-            if motion.shape == shape and np.isfinite(motion).all():
-                return motion
-        except ValueError as error:
-            problem = str(error)
-    _refuse_motion(rows, start, shape, frames_line)
-    raise WalkError(f"line {start + 1}: expected {shape[0]} lines of {shape[1]} numbers from here on; {problem}")
+    """Return the numbers from position `start` on, or raise an error about the first line that is wrong.
 
-
-def _refuse_motion(rows: list[str], start: int, shape: tuple[int, int], frames_line: int) -> None:
-    """Raise an error about the first line that is wrong, if there is one."""
+    The size comes from the lines, never from the header.
+    """
     n_frames, n_channels = shape
-    filled = [(number, row.split()) for number, row in enumerate(rows, start + 1) if row.strip()]
-    for position, (number, words) in enumerate(filled[:n_frames], 1):
-        _check_row(number, words, n_channels, last=position == len(filled))
+    filled = [number for number, row in enumerate(lines[start:], start + 1) if row.strip()]
+    motion = array("d")
+    for number in filled[:n_frames]:
+        motion.extend(_read_row(number, lines[number - 1].split(), n_channels, last=number == filled[-1]))
     counts = f"as Frames: in line {frames_line} says {n_frames}"
     if len(filled) > n_frames:
         raise WalkError(
-            f"line {filled[n_frames][0]}: expected the end of the file, {counts}, got {len(filled)} lines of motion; "
+            f"line {filled[n_frames]}: expected the end of the file, {counts}, got {len(filled)} lines of motion; "
             "correct the count or remove the lines"
         )
     if len(filled) < n_frames:
         raise WalkError(
-            f"line {start + len(rows)}: expected {n_frames} lines of motion, {counts}, got {len(filled)}; "
+            f"line {len(lines)}: expected {n_frames} lines of motion, {counts}, got {len(filled)}; "
             f"{CUT}, or correct the count"
         )
+    return np.array(motion).reshape(shape)  # (n_frames n_channels,) -> (n_frames, n_channels)
 
 
-def _check_row(line: int, words: list[str], n_channels: int, *, last: bool) -> None:
+def _read_row(line: int, words: list[str], n_channels: int, *, last: bool) -> list[float]:
     if len(words) != n_channels:
         cut = f"; {CUT}" if last and len(words) < n_channels else ""
         raise WalkError(f"line {line}: expected {n_channels} numbers, one a channel, got {len(words)}{cut}")
-    for column, word in enumerate(words, 1):
-        if decimal(word) is None:
-            raise WalkError(
-                f"line {line}: expected a finite number as value {column} of {n_channels}, got {shown(word)}"
-            )
+    numbers = [decimal(word) for word in words]
+    if None in numbers:
+        column = numbers.index(None)
+        raise WalkError(
+            f"line {line}: expected a finite number as value {column + 1} of {n_channels}, got {shown(words[column])}"
+        )
+    return [number for number in numbers if number is not None]

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigenwalker._validation import WalkError
+from eigenwalker.io._text import listed
 
 __all__ = ["C3dBlocks", "format_c3d", "parse_c3d"]
 
@@ -125,15 +126,16 @@ def _parameters(data: bytes, place: int, read: _Numbers) -> tuple[dict[str, NDAr
 
 def _values(data: bytes, place: int, key: str) -> tuple[int, list[int], bytes]:
     """Return type, sizes and bytes of the parameter that starts at `place` and has its own bytes only."""
+    named = listed([key])
     kind = _signed(data[0]) if len(data) > 1 else 0
     sizes = list(data[2 : 2 + data[1]]) if kind in _SIZES else []
     if kind not in _SIZES or data[1] > 7 or len(sizes) < data[1]:
-        raise WalkError(f"byte {place}: expected type and up to 7 sizes of the parameter {key}, got others; {_CUT}")
+        raise WalkError(f"byte {place}: expected type and up to 7 sizes of the parameter {named}, got others; {_CUT}")
     start, n_bytes = 2 + len(sizes), _SIZES[kind] * math.prod(sizes)
     if start + n_bytes > len(data):
         raise WalkError(
-            f"byte {place}: expected {n_bytes} bytes of the parameter {key}, got {len(data) - start} before the next; "
-            f"{_CUT}"
+            f"byte {place}: expected {n_bytes} bytes of the parameter {named}, got {len(data) - start} before the "
+            f"next; {_CUT}"
         )
     return kind, sizes, data[start : start + n_bytes]
 
@@ -176,6 +178,10 @@ def _frames(header: NDArray[np.integer], numbers: dict[str, NDArray[np.float64]]
     first, last = int(header[3]), int(header[4])
     ends = [numbers.get(f"TRIAL:ACTUAL_{end}_FIELD", np.empty(0)).ravel() for end in ("START", "END")]
     if all(end.size == 2 for end in ends):
+        if not np.isfinite(ends).all():
+            raise WalkError(
+                "expected numbers of the first and the last frame in TRIAL:ACTUAL_START_FIELD and _END_FIELD"
+            )
         first, last = (int(low) % 65536 + 65536 * (int(high) % 65536) for low, high in ends)
     elif last == 65535:
         length = _number(numbers, "POINT:LONG_FRAMES", 0)

@@ -1,5 +1,6 @@
 """From the names and positions in a file to a walk of markers, and back: what all formats of markers share."""
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 from os import PathLike
@@ -9,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigenwalker._validation import WalkError
+from eigenwalker.io._text import listed
 from eigenwalker.motion.body import check_leg_length
 from eigenwalker.motion.skeleton import TROJE15, MarkerSet
 from eigenwalker.motion.walk import Walk
@@ -65,11 +67,12 @@ def make_walk(
         If positions are infinite, or if the legs are shorter than 0.3 m or longer than 1.3 m.
     """
     marker_set = marker_set_of(names)
-    order = [names.index(marker) for marker in marker_set.names]
+    places = {marker: place for place, marker in enumerate(names)}
+    order = [places[marker] for marker in marker_set.names]
     walk = Walk(positions[:, order], frame_rate, marker_set, name, **known)
     infinite = np.isinf(walk.positions).any(axis=(0, 2))
     if infinite.any():
-        found = ", ".join(marker for marker, bad in zip(marker_set.names, infinite, strict=True) if bad)
+        found = listed([marker for marker, bad in zip(marker_set.names, infinite, strict=True) if bad])
         raise WalkError(f"{path}: expected finite positions with unit={unit!r}, got infinite ones for {found}")
     with np.errstate(over="ignore", invalid="ignore"):
         check_leg_length(replace(walk, name=str(path)), unit=unit)
@@ -80,9 +83,9 @@ def check_different(names: Sequence[str], line: int, *, what: str = "marker") ->
     """Raise a WalkError that names the line unless all names differ and there are any."""
     if not names:
         raise WalkError(f"line {line}: expected at least one {what}, got none")
-    repeated = sorted({name for name in names if names.count(name) > 1})
+    repeated = sorted(name for name, count in Counter(names).items() if count > 1)
     if repeated:
-        raise WalkError(f"line {line}: expected a new name for each {what}, got {', '.join(repeated)} more than once")
+        raise WalkError(f"line {line}: expected a new name for each {what}, got {listed(repeated)} more than once")
 
 
 def check_markers(walk: object) -> Walk:

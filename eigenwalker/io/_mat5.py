@@ -16,6 +16,7 @@ from eigenwalker._validation import WalkError
 __all__ = ["MatVariable", "read_mat"]
 
 _HEADER = 128  # bytes: a text, the version, and the order of bytes
+_MOST_SIZES = 32  # dimensions of a variable
 _UNPACKED = 65_536  # bytes at most of a compressed variable: the head of any, and the whole of a small matrix
 _MATRIX, _COMPRESSED = 14, 15
 _TYPES = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
@@ -107,6 +108,8 @@ def _read_variable(data: bytes, place: int, order: _Order, n_numbers: int) -> Ma
         raise WalkError(f"byte {place}: expected flags, dimensions and name of a variable, got none") from None
     word = int.from_bytes(flags.data[:4], order)
     kind = word & 0xFF
+    if len(sizes.data) > 4 * _MOST_SIZES:
+        raise WalkError(f"byte {place}: expected a variable of at most {_MOST_SIZES} dimensions, got more")
     shape = tuple(int.from_bytes(sizes.data[at : at + 4], order) for at in range(0, len(sizes.data), 4))
     name = title.data.decode("latin-1")
     label = _CLASSES[kind - 1] if 1 <= kind <= len(_CLASSES) else "unknown"

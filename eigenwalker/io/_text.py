@@ -6,8 +6,9 @@ Errors start with ``line 12:``; `name_file` puts the file's name before them.
 import csv
 import math
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from itertools import islice
 from os import PathLike
 from pathlib import Path
 from typing import NamedTuple
@@ -23,6 +24,7 @@ __all__ = [
     "decimal",
     "decode_lines",
     "join_numbers",
+    "listed",
     "name_file",
     "number_table",
     "plain_numbers",
@@ -33,8 +35,9 @@ __all__ = [
 
 CUT = "the file seems to be cut off; get it again"
 
-_DECIMAL = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
+_DECIMAL = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")  # no two ways to read a digit
 _GAPS = ("", "nan", "n/a")
+_MOST_LISTED, _LONGEST_NAME = 60, 60
 
 
 class Row(NamedTuple):
@@ -81,6 +84,17 @@ def shown(text: str) -> str:
     """Return `text` in quotes, shortened, for an error."""
     text = text.strip()
     return repr(text if len(text) <= 40 else text[:37] + "...")
+
+
+def listed(names: Collection[str]) -> str:
+    """Return names with commas between them for an error: no more than can be read, and in quotes what is no name.
+
+    >>> listed(["heel", "toe"]), listed([f"m{number}" for number in range(500)])[-17:]
+    ('heel, toe', ' m59 and 440 more')
+    """
+    some = islice(names, _MOST_LISTED)
+    first = ", ".join(name if name.isprintable() and len(name) <= _LONGEST_NAME else shown(name) for name in some)
+    return first + (f" and {len(names) - _MOST_LISTED} more" if len(names) > _MOST_LISTED else "")
 
 
 def decimal(text: str) -> float | None:

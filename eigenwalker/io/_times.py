@@ -12,6 +12,7 @@ __all__ = ["check_file_rate", "rate_from_times", "time_words"]
 
 _EVEN = 0.01  # of a frame, by which a step from frame to frame may differ from the usual one
 _SAME = 1e-3  # relative difference between two frame rates that are the same
+_SLOWEST, _FASTEST = 1e-3, 1e6  # frames a second
 _FINE = 0.25  # of a frame: what the last digit may be worth in times that are only rounded
 
 
@@ -51,13 +52,13 @@ def rate_from_times(words: Sequence[str], lines: Sequence[int], *, frame_rate: f
             raise WalkError(f"line {lines[0]}: expected at least two times, or frame_rate=..., got a single frame")
         return frame_rate
     digit = _last_digit(words)
-    span = times[-1] - times[0]
+    span = float(times[-1] - times[0])
     rate = (len(times) - 1) / span if span > 0 else 1.0
-    usual = max(1.0, float(np.round(rate))) if frame_rate is None else frame_rate
+    usual = min(max(1.0, float(np.round(rate))), _FASTEST) if frame_rate is None else frame_rate
     if _is_rounded(times, usual, digit):
         return usual
     _check_even(times, lines)
-    if not 1e-3 <= rate <= 1e6:
+    if not _SLOWEST <= rate <= _FASTEST:
         raise WalkError(f"line {lines[0]}: expected times in seconds, got {rate:.3g} frames a second")
     if frame_rate is not None and abs(rate / frame_rate - 1) > _SAME:
         raise WalkError(
@@ -81,7 +82,7 @@ def time_words(n_frames: int, frame_rate: float) -> list[str]:
 def check_file_rate(word: str, line: int, label: str) -> float:
     """Return the frame rate that a header says, in frames per second."""
     rate = decimal(word.strip())
-    if rate is None or not 1e-3 <= rate <= 1e6:
+    if rate is None or not _SLOWEST <= rate <= _FASTEST:
         raise WalkError(f"line {line}: expected {label} in frames per second, 0.001 to 1,000,000, got {shown(word)}")
     return rate
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from eigenwalker._validation import WalkError, check_frame_rate
 from eigenwalker.io._asf import LARGEST, AsfSkeleton, Statement, parse_asf, statements
 from eigenwalker.io._text import decimal, decode_lines, name_file, shown
-from eigenwalker.io._units import check_body, check_up, meters_per_unit, to_package_axes
+from eigenwalker.io._units import check_body, check_room, check_up, meters_per_unit, to_package_axes
 from eigenwalker.motion.body import UNITS
 from eigenwalker.motion.rotations import rotvec_from_euler, unroll_rotvec
 from eigenwalker.motion.skeleton import Skeleton
@@ -171,6 +171,7 @@ def _read_values(data: bytes, asf: AsfSkeleton) -> dict[str, NDArray[np.float64]
     _check_frame(frames, len(lines))
     if not frames:
         raise WalkError(f"line {len(lines)}: expected frames, each a number and the values of its bones, got none")
+    check_room(len(dof), len(frames), len(data), line=len(lines))
     return {name: _values(frames, name, axes, degrees) for name, axes in dof.items()}
 
 

@@ -1,6 +1,7 @@
 """Motion-BIDS: a table of positions without a header, and the files beside it that say what its columns are."""
 
 import json
+import reprlib
 from collections.abc import Sequence
 from os import PathLike
 from pathlib import Path
@@ -27,6 +28,7 @@ from eigenwalker.io._text import (
     decimal,
     decode_lines,
     join_numbers,
+    listed,
     name_file,
     number_table,
     shown,
@@ -102,21 +104,20 @@ def read_bids(
     with name_file(channels_file):
         columns = _position_columns(channels)
         scales = [[_scale(channels[place]) for place in triple] for triple in columns.values()]
-        listed = _listed_rates(channels)
+        rates = _listed_rates(channels)
     rows = _read_rows(path, len(channels))
     with name_file(path):
         table = number_table(rows, len(channels), columns=[place for triple in columns.values() for place in triple])
     sidecar, sidecar_file = read_sidecar(path)
     if frame_rate is None:
         with name_file(sidecar_file, before=": "):
-            rate = _sidecar_rate(sidecar, listed)
+            rate = _sidecar_rate(sidecar, rates)
         with name_file(path):
             _check_latency(channels, rows, rate)
     else:
         rate = check_frame_rate(frame_rate)
     measured = table.reshape(len(table), -1, 3) * scales  # (n_frames, 3 n_markers) -> (n_frames, n_markers, 3)
-    with name_file(path, before=": "):
-        axes = _spatial_axes(path, sidecar, channels) if up is None else None
+    axes = _spatial_axes(path, sidecar, sidecar_file, channels) if up is None else None
     positions = to_package_axes(measured, up or "z") if axes is None else _turn(measured, axes)
     return make_walk(positions, rate, list(columns), path=path, name=title, unit="m", events=read_events(path))
 
@@ -132,19 +133,19 @@ def _position_columns(channels: Sequence[Channel]) -> dict[str, list[int]]:
         if axis not in ("x", "y", "z") or axis in axes or channel.point in ("", "n/a"):
             raise WalkError(
                 f"line {channel.line}: expected a tracked_point and a component x, y or z for each POS channel, each "
-                f"pair once, got {channel.point!r} and {channel.component!r}"
+                f"pair once, got {shown(channel.point)} and {shown(channel.component)}"
             )
         axes[axis] = place
     check_different(list(places), 1, what="tracked point with POS channels")
     partial = [point for point, axes in places.items() if len(axes) < 3]
     if partial:
-        raise WalkError(f"line 1: expected POS channels for x, y and z of each point, but not so {', '.join(partial)}")
+        raise WalkError(f"line 1: expected POS channels for x, y and z of each point, but not so {listed(partial)}")
     return {point: [axes[axis] for axis in "xyz"] for point, axes in places.items()}
 
 
 def _scale(channel: Channel) -> float:
     if channel.unit not in UNITS:
-        raise WalkError(f"line {channel.line}: expected units among {', '.join(UNITS)}, got {channel.unit!r}")
+        raise WalkError(f"line {channel.line}: expected units among {', '.join(UNITS)}, got {shown(channel.unit)}")
     return UNITS[channel.unit]
 
 
@@ -170,13 +171,13 @@ def _listed_rates(channels: Sequence[Channel]) -> list[float]:
     ]
 
 
-def _sidecar_rate(sidecar: dict[str, Any], listed: Sequence[float]) -> float:
+def _sidecar_rate(sidecar: dict[str, Any], rates: Sequence[float]) -> float:
     """Return the frames per second that the sidecar says, or the channels where it says none."""
     said = [_rate_field(sidecar, key) for key in ("SamplingFrequencyEffective", "SamplingFrequency")]
-    known = [rate for rate in said if rate is not None] or list(listed[:1])
+    known = [rate for rate in said if rate is not None] or list(rates[:1])
     if not known:
         raise WalkError("expected a SamplingFrequency, got none; pass frame_rate=...")
-    odd = [rate for rate in listed if min(abs(rate / other - 1) for other in known) > _SAME]
+    odd = [rate for rate in rates if min(abs(rate / other - 1) for other in known) > _SAME]
     if odd:
         raise WalkError(f"expected positions of {known[0]:g} frames a second, got sampling_frequency {odd[0]:g}")
     return known[0]
@@ -187,7 +188,7 @@ def _rate_field(sidecar: dict[str, Any], key: str) -> float | None:
     if rate == _GAP:
         return None
     if isinstance(rate, bool) or not isinstance(rate, (int, float)) or not 1e-3 <= rate <= 1e6:
-        raise WalkError(f"expected {key} in frames per second, 0.001 to 1,000,000, got {shown(repr(rate))}")
+        raise WalkError(f"expected {key} in frames per second, 0.001 to 1,000,000, got {shown(reprlib.repr(rate))}")
     return float(rate)
 
 
@@ -198,18 +199,25 @@ def _check_latency(channels: Sequence[Channel], rows: Sequence[Row], rate: float
             rate_from_times([row.words[place] for row in rows], [row.line for row in rows], frame_rate=rate)
 
 
-def _spatial_axes(path: Path, sidecar: dict[str, Any], channels: Sequence[Channel]) -> str | None:
+def _spatial_axes(path: Path, sidecar: dict[str, Any], sidecar_file: Path, channels: Sequence[Channel]) -> str | None:
     """Return the directions of x, y and z that the files give, such as "ALS", or None."""
     frames = {channel.reference_frame for channel in channels if channel.kind.upper() == "POS"}
-    description, _ = read_sidecar(path, "_channels.json", optional=True)
-    found = [sidecar["SpatialAxes"]] if "SpatialAxes" in sidecar else frames_axes(description, sorted(frames))
+    if "SpatialAxes" in sidecar:
+        found, file = [sidecar["SpatialAxes"]], sidecar_file
+    else:
+        description, file = read_sidecar(path, "_channels.json", optional=True)
+        found = frames_axes(description, sorted(frames))
     known = [axes for axes in found if axes != _GAP]
-    if not known:
-        return None
+    with name_file(file, before=": "):
+        return _same_axes(known) if known else None
+
+
+def _same_axes(known: Sequence[object]) -> str:
+    """Return the directions that are given, such as "ALS", or raise."""
     axes = known[0] if isinstance(known[0], str) else ""
     directions = {_DIRECTIONS[letter][0] for letter in axes if letter in _DIRECTIONS}
     if len(axes) != 3 or len(directions) != 3 or any(other != axes for other in known):
-        got = shown(repr(known))
+        got = shown(reprlib.repr(list(known)))
         raise WalkError(
             f"expected SpatialAxes such as {_OUR_AXES!r}, the same for all positions, got {got}; pass up=..."
         )

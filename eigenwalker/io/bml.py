@@ -17,7 +17,7 @@ from scipy.io import savemat
 from eigenwalker._validation import WalkError, check_array, check_finite, check_frame_rate
 from eigenwalker.io._markers import check_markers, make_walk
 from eigenwalker.io._mat5 import read_mat
-from eigenwalker.io._text import decode_lines, join_numbers, name_file, number_table, split_rows, write_lines
+from eigenwalker.io._text import decode_lines, join_numbers, listed, name_file, number_table, split_rows, write_lines
 from eigenwalker.motion.fourier import (
     FREQUENCY_RANGE,
     evaluate_harmonics,
@@ -195,14 +195,14 @@ def _read_text(data: bytes) -> NDArray[np.float64]:
 
 def _read_mat(data: bytes, variable: str | None) -> NDArray:
     """Return the matrix in a MATLAB file."""
-    listed = read_mat(data, n_numbers=_SHAPE[0] * _SHAPE[1])
+    variables = read_mat(data, n_numbers=_SHAPE[0] * _SHAPE[1])
     fitting = [
         found.values
-        for found in listed
+        for found in variables
         if found.values is not None and found.shape in _SIZES and variable in (None, found.name)
     ]
     if len(fitting) != 1:
-        have = ", ".join(f"{found.name} ({' x '.join(map(str, found.shape))} {found.kind})" for found in listed[:10])
+        have = listed([f"{found.name} ({' x '.join(map(str, found.shape))} {found.kind})" for found in variables])
         wanted = "a single numeric variable" if variable is None else f"a numeric variable {variable!r}"
         raise WalkError(f"expected {wanted} of 230 numbers, got {have or 'no variable'}; name it with variable=...")
     return fitting[0]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from eigenwalker._validation import WalkError
 from eigenwalker.io._bvh_text import BvhText, parse_bvh
 from eigenwalker.io._units import check_body, check_up, meters_per_unit, to_package_axes, to_package_order
-from eigenwalker.motion.rotations import rotvec_from_euler, unroll_rotvec
+from eigenwalker.motion.rotations import rotvec_from_channels
 from eigenwalker.motion.skeleton import Skeleton
 from eigenwalker.motion.walk import JointWalk
 
@@ -134,7 +134,7 @@ def _to_walk(bvh: BvhText, scale: float, up: str, name: str) -> JointWalk:
     )
     still = np.tile(offsets[root], (len(bvh.motion), 1))
     return JointWalk(
-        unroll_rotvec(to_package_axes(_rotations(bvh), up)),
+        _rotations(bvh, up),
         to_package_axes(paths[root] if root in moving else still, up),
         skeleton,
         _frame_rate(bvh.frame_time),
@@ -165,14 +165,12 @@ def _position_paths(bvh: BvhText, scale: float) -> dict[int, NDArray[np.float64]
     return paths
 
 
-def _rotations(bvh: BvhText) -> NDArray[np.float64]:
-    """Return exponential maps in the file's axes, shape (n_frames, n_joints, 3); joints of one order at a time."""
-    rotations = np.zeros((len(bvh.motion), len(bvh.joints), 3))
+def _rotations(bvh: BvhText, up: str) -> NDArray[np.float64]:
+    """Return exponential maps in the package's axes, shape (n_frames, n_joints, 3), without jumps."""
     turning = _channel_columns(bvh, "rotation")
-    for order in {axes for axes, _ in turning.values()}:
-        joints = [joint for joint, (axes, _) in turning.items() if axes == order]
-        columns = np.array([turning[joint][1] for joint in joints])  # (n_joints, n_axes)
-        rotations[:, joints] = rotvec_from_euler(np.deg2rad(bvh.motion[:, columns]), order)
+    axes, columns = zip(*(turning.get(joint, ("", [])) for joint in range(len(bvh.joints))), strict=True)
+    rotations = rotvec_from_channels(bvh.motion, columns, [to_package_order(order, up) for order in axes])
+    rotations.flags.writeable = False  # else the walk keeps a copy
     return rotations
 
 

@@ -1,5 +1,6 @@
 """C3D files of optical motion capture: paths of markers, with gaps and events."""
 
+from collections import Counter
 from collections.abc import Sequence
 from os import PathLike
 from pathlib import Path
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from eigenwalker._validation import WalkError, check_choice, check_names
 from eigenwalker.io._c3d_blocks import C3dBlocks, format_c3d, parse_c3d
 from eigenwalker.io._markers import check_markers, check_words, make_walk
+from eigenwalker.io._text import listed, name_file, shown
 from eigenwalker.io._units import check_up, meters_per_unit, to_package_axes
 from eigenwalker.motion.body import UNITS
 from eigenwalker.motion.walk import Event, JointWalk, Walk
@@ -78,14 +80,12 @@ def read_c3d(
     markers = None if markers is None else check_names(markers, name="markers")
     path = Path(path)
     data = path.read_bytes()
-    try:
+    with name_file(path, before=": "):
         file = parse_c3d(data)
         unit = _file_unit(file) if unit is None else unit
         labels = _labels(file)
         columns = _columns(labels, markers)
         events = _events(file)
-    except WalkError as error:
-        raise WalkError(f"{path}: {error}") from None
     positions = to_package_axes(meters_per_unit(unit) * _positions(file)[:, columns], up)
     return make_walk(
         positions,
@@ -101,7 +101,8 @@ def read_c3d(
 def _file_unit(file: C3dBlocks) -> str:
     unit = next(iter(file.texts.get("POINT:UNITS", [])), "").lower()
     if unit not in UNITS:
-        raise WalkError(f"expected POINT:UNITS {', '.join(UNITS)}, got {unit!r}; pass unit=..., most often unit='mm'")
+        got = shown(unit)
+        raise WalkError(f"expected POINT:UNITS {', '.join(UNITS)}, got {got}; pass unit=..., most often unit='mm'")
     return unit
 
 
@@ -132,15 +133,17 @@ def _columns(labels: list[str], markers: tuple[str, ...] | None) -> list[int]:
     """Return the places of the points to be read."""
     missing = sorted(set(markers or ()) - set(labels))
     if missing:
-        raise WalkError(f"expected points labelled {', '.join(missing)}; the labels are {', '.join(labels)}")
+        raise WalkError(f"expected points labelled {listed(missing)}; the labels are {listed(labels)}")
     wanted = labels if markers is None else list(markers)
-    repeated = sorted({label for label in wanted if labels.count(label) > 1})
+    count = Counter(labels)
+    repeated = sorted({label for label in wanted if count[label] > 1})
     if repeated:
         raise WalkError(
-            f"expected a label of its own for each point, got {', '.join(repeated)} more than once; "
+            f"expected a label of its own for each point, got {listed(repeated)} more than once; "
             "pass markers=[...] with the others, or rename them in the program that wrote the file"
         )
-    return [labels.index(label) for label in wanted]
+    places = {label: place for place, label in enumerate(labels)}
+    return [places[label] for label in wanted]
 
 
 def _positions(file: C3dBlocks) -> NDArray[np.float64]:
@@ -177,7 +180,8 @@ def _event_times(file: C3dBlocks) -> NDArray[np.float64]:
         matrix = file.numbers[key]
         if matrix.size and (matrix.ndim != 2 or len(matrix) != 2):
             raise WalkError(f"expected {key} with minutes and seconds of each event, got the sizes {matrix.shape}")
-        times.append(60.0 * matrix[0] + matrix[1] if matrix.size else np.empty(0))
+        with np.errstate(invalid="ignore"):  # what is not finite is refused where it is used
+            times.append(60.0 * matrix[0] + matrix[1] if matrix.size else np.empty(0))
         key, part = f"EVENT:TIMES{part}", part + 1
     return np.concatenate(times) if times else np.empty(0)
 

@@ -3,6 +3,8 @@
 import io
 import json
 import math
+import re
+import reprlib
 import zipfile
 from os import PathLike
 from pathlib import Path
@@ -12,13 +14,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigenwalker._validation import WalkError
-from eigenwalker.io._text import name_file
+from eigenwalker.io._text import listed, name_file
 from eigenwalker.motion.skeleton import MarkerSet, Skeleton
 from eigenwalker.motion.walk import Event, JointWalk, Walk
 
 __all__ = ["read_npz", "write_npz"]
 
 _VERSION = 1
+_LONGEST = 300  # characters of another library's error
+_HEADER = re.compile(  # of numpy's own parser too much can come: it takes the text for a piece of Python
+    rb"\x93NUMPY\x01\x00..\{'descr': '([<>|=]?[fiuUbcOSV][0-9]{0,9})', 'fortran_order': (False|True), "
+    rb"'shape': \(((?:[0-9]{1,18}, ?)*(?:[0-9]{1,18})?)\), \} *\n",
+    re.DOTALL,
+)
 _SKELETON = ("parents", "offsets", "end_parents", "end_offsets")
 
 
@@ -119,11 +127,12 @@ def _read(data: bytes, name: str | None) -> Walk | JointWalk:
     try:
         arrays = _read_arrays(data)
         return _build(_fields(arrays), arrays, name)
-    except WalkError:
+    except (WalkError, MemoryError):
         raise
     except Exception as error:  # zipfile, numpy and json raise nearly every kind for bytes that were never theirs
+        reason = " ".join(str(error).split())[:_LONGEST]
         raise WalkError(
-            f"expected an archive written by write_npz, got {type(error).__name__}: {error}; get it again"
+            f"expected an archive written by write_npz, got {type(error).__name__}: {reason}; get it again"
         ) from None
 
 
@@ -133,28 +142,39 @@ def _read_arrays(data: bytes) -> dict[str, NDArray]:
         entries = archive.infolist()
         packed = [entry.filename for entry in entries if entry.compress_type != zipfile.ZIP_STORED]
         if packed:
-            raise WalkError(f"expected an archive without compression, got {packed[0]} compressed; use write_npz")
+            raise WalkError(f"expected an archive without compression, got {listed(packed)} compressed; use write_npz")
+        if sum(entry.file_size for entry in entries) > len(data):  # several may be made of the same bytes
+            raise WalkError(f"expected entries of fewer bytes than the archive, {len(data)}; get it again")
         return {entry.filename.removesuffix(".npy"): _read_array(archive.read(entry)) for entry in entries}
 
 
 def _read_array(data: bytes) -> NDArray:
     """Return the array in the bytes of an NPY file, of which only the version that `numpy.savez` writes is read."""
-    file = io.BytesIO(data)
-    np.lib.format.read_magic(file)
-    shape, is_fortran, kind = np.lib.format.read_array_header_1_0(file)
-    n_bytes = len(data) - file.tell()
-    if kind.kind not in "fiuU" or kind.itemsize == 0 or math.prod(shape) * kind.itemsize != n_bytes:
+    start = 10 + int.from_bytes(data[8:10], "little")
+    header = _HEADER.fullmatch(data[:start])
+    if header is None:
+        raise WalkError("expected arrays of numeric type, as numpy.savez writes them, got others; get it again")
+    kind = np.dtype(header[1].decode())
+    shape = tuple(int(size) for size in header[3].replace(b",", b" ").split())
+    n_bytes = len(data) - start
+    if (
+        kind.kind not in "fiuU"
+        or math.prod(shape) * kind.itemsize != n_bytes
+        or max(shape, default=0) > max(n_bytes, 1_000_000)
+    ):
+        # Frames without markers take no bytes: of them too there may not be any number.
         raise WalkError(f"expected an array of shape {shape} and numeric type, got {n_bytes} bytes of type {kind}")
-    return np.frombuffer(data, dtype=kind, offset=file.tell()).reshape(shape, order="F" if is_fortran else "C")
+    return np.frombuffer(data, dtype=kind, offset=start).reshape(shape, order="F" if header[2] == b"True" else "C")
 
 
 def _fields(arrays: dict[str, NDArray]) -> dict[str, Any]:
     """Return the names and numbers of the walk, after a check of the version."""
     if "walk" not in arrays:
-        raise WalkError(f"expected an archive written by write_npz, got one of {', '.join(arrays) or 'nothing'}")
+        raise WalkError(f"expected an archive written by write_npz, got one of {listed(arrays) or 'nothing'}")
     fields = json.loads(str(arrays["walk"]))
     if fields["version"] != _VERSION:
-        raise WalkError(f"expected version {_VERSION} of the layout, got {fields['version']}; update the package")
+        got = reprlib.repr(fields["version"])
+        raise WalkError(f"expected version {_VERSION} of the layout, got {got}; update the package")
     return fields
 
 

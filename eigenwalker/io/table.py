@@ -15,6 +15,7 @@ from eigenwalker.io._text import (
     Row,
     decode_lines,
     join_numbers,
+    listed,
     name_file,
     number_table,
     shown,
@@ -124,14 +125,16 @@ def _read_header(
     line = rows[0].line
     titles = [_plain_title(word) for word in rows[0].words]
     wanted = titles if markers is None else [_TIME, *_titles_of(check_names(markers, name="markers"))]
-    check_different([title for title in titles if title in wanted], line, what="column")
+    known = set(wanted)
+    check_different([title for title in titles if title in known], line, what="column")
+    places = {title: place for place, title in enumerate(titles)}
     names = _markers_of(titles) if markers is None else list(markers)
-    lacking = [title for title in wanted if title != _TIME and title not in titles]
-    left_over = [title for title in wanted if title not in (_TIME, *_titles_of(names))]
+    taken = {_TIME, *_titles_of(names)}
+    lacking = [title for title in wanted if title != _TIME and title not in places]
+    left_over = [title for title in wanted if title not in taken]
     if lacking or left_over or not names:
         raise WalkError(f"line {line}: {_fault(lacking, left_over, titles, separator)}")
-    columns = {name: [titles.index(title) for title in _titles_of([name])] for name in names}
-    return columns, titles.index(_TIME) if _TIME in titles else None
+    return {name: [places[title] for title in _titles_of([name])] for name in names}, places.get(_TIME)
 
 
 def _plain_title(word: str) -> str:
@@ -151,16 +154,17 @@ def _markers_of(titles: Sequence[str]) -> list[str]:
     """Return the markers that have all three columns, in order of their first."""
     matches = [_COLUMN.fullmatch(title) for title in titles]
     names = dict.fromkeys(match[1] for match in matches if match is not None)
-    return [name for name in names if set(_titles_of([name])) <= set(titles)]
+    there = set(titles)
+    return [name for name in names if there.issuperset(_titles_of([name]))]
 
 
 def _fault(lacking: list[str], left_over: list[str], titles: list[str], separator: str) -> str:
     if lacking:
-        found = ", ".join(_markers_of(titles)) or "none"
-        return f"expected the columns {', '.join(lacking)}, got none of that name; the markers found are {found}"
+        found = listed(_markers_of(titles)) or "none"
+        return f"expected the columns {listed(lacking)}, got none of that name; the markers found are {found}"
     if len(titles) == 1:
         return f"expected columns separated by {separator!r}, got a single one, {shown(titles[0])}; pass separator=..."
-    wrong = ", ".join(map(shown, left_over)) or "none but the time"
+    wrong = listed([shown(title) for title in left_over]) or "none but the time"
     return (
         f"expected columns in full triples such as left_ankle_x, left_ankle_y, left_ankle_z, got {wrong}; "
         "rename or remove them, or name the markers to read with markers=[...]"

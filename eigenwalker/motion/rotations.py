@@ -103,7 +103,7 @@ def rotvec_from_channels(channels: ArrayLike, columns: Sequence[Sequence[int]], 
     Parameters
     ----------
     channels : array-like of shape (n_frames, n_channels)
-        Angles in radians, among whatever other channels there are.
+        Angles in degrees, as files have them, among whatever other channels there are.
     columns : sequence of sequence of int
         For each joint the columns of its angles, from none on.
     orders : sequence of str
@@ -116,10 +116,11 @@ def rotvec_from_channels(channels: ArrayLike, columns: Sequence[Sequence[int]], 
 
     Examples
     --------
+    >>> import numpy as np
     >>> from eigenwalker.motion.rotations import rotvec_from_channels
-    >>> rotvec_from_channels([[7.0, 3.0], [7.0, 3.5]], [[], [1]], ["", "Z"])[:, 1].round(6) + 0.0
-    array([[0. , 0. , 3. ],
-           [0. , 0. , 3.5]])
+    >>> np.rad2deg(rotvec_from_channels([[7, 170], [7, 190]], [[], [1]], ["", "Z"])[:, 1]).round(6) + 0.0
+    array([[  0.,   0., 170.],
+           [  0.,   0., 190.]])
     """
     channels = np.ascontiguousarray(channels, dtype=np.float64)
     most = max(map(len, columns), default=0)
@@ -139,7 +140,7 @@ def _rotvec_from_channels(channels, columns, axes):
             for j in range(n_axes):
                 column = columns[joint, j]
                 if column >= 0:
-                    w, x, y, z = _turn_quaternion(w, x, y, z, axes[joint, j], channels[frame, column])
+                    w, x, y, z = _turn_quaternion(w, x, y, z, axes[joint, j], np.deg2rad(channels[frame, column]))
             scale = _logarithm_scale(w, x, y, z)
             out[frame, joint, 0], out[frame, joint, 1], out[frame, joint, 2] = scale * x, scale * y, scale * z
             if frame > 0:
@@ -279,6 +280,8 @@ def _unroll_one(out, frame, joint):
     angle = np.sqrt(x * x + y * y + z * z)
     if angle >= 1e-12:
         along = (x * px + y * py + z * pz) / angle
+        if abs(along - angle) < np.pi:
+            return
         scale = 1.0 + turn * np.round((along - angle) / turn) / angle
         out[frame, joint, 0], out[frame, joint, 1], out[frame, joint, 2] = scale * x, scale * y, scale * z
         return

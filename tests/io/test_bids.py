@@ -189,7 +189,7 @@ def test_missing_files_are_named(files):
         ("_motion.json", "100}", "NaN}", r"motion\.json: expected SamplingFrequency in frames per second.*got 'nan'"),
         ("_motion.json", "100}", '"fast"}', r"motion\.json: expected SamplingFrequency in frames.*got \"'fast'\""),
         ("_motion.json", "100}", "120}", r"expected positions of 120 frames a second, got sampling_frequency 100"),
-        ("_motion.json", "100}", '100, "SpatialAxes": 3}', r"motion\.tsv: expected SpatialAxes such as 'ALS'.*'\[3\]'"),
+        ("_motion.json", "100}", '100, "SpatialAxes": 3}', r"motion\.json: expected SpatialAxes such as 'ALS'.*\[3\]"),
         ("_events.tsv", "onset", "start", r"line 1: expected the columns onset, duration once each, but not so onset"),
         ("_events.tsv", "0.01", "soon", r"line 2: expected a finite number or a gap as value 1 of 4, got 'soon'"),
     ],

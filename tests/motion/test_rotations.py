@@ -10,6 +10,7 @@ from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
 from eigenwalker.motion import euler_from_rotvec, forward_kinematics, rotvec_from_euler, unroll_rotvec
+from eigenwalker.motion.rotations import rotvec_from_channels
 
 _angles = st.lists(st.floats(-7, 7), min_size=3, max_size=3)
 
@@ -132,3 +133,17 @@ def test_wrong_input_is_refused():
         euler_from_rotvec([1.0, 2.0, 3.0], "XYX")
     with pytest.raises(ValueError, match=r"rotvec must have shape \(3,\) or \(n_frames, ..., 3\), got \(2,\)"):
         euler_from_rotvec([1.0, 2.0], "XYZ")
+
+
+def test_from_channels_is_from_euler_unrolled():
+    rng = np.random.default_rng(0)
+    channels = 400 * rng.normal(size=(50, 9)).cumsum(axis=0) / 5  # degrees, over many turns
+    columns, orders = [[0, 1, 2], [], [5], [8, 7, 6, 8], [3, 4]], ["ZXY", "", "Y", "XYZX", "ZZ"]
+    got = rotvec_from_channels(channels, columns, orders)
+    for joint, (places, order) in enumerate(zip(columns, orders, strict=True)):
+        expected = unroll_rotvec(rotvec_from_euler(np.deg2rad(channels[:, places]), order))
+        assert_allclose(got[:, joint], expected, atol=1e-10)  # over many turns
+
+
+def test_from_channels_without_any():
+    assert rotvec_from_channels(np.ones((3, 1)), [[], []], ["", ""]).tolist() == np.zeros((3, 2, 3)).tolist()
