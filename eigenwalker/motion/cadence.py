@@ -6,10 +6,12 @@ import numpy as np
 from numpy.polynomial.legendre import legvander
 from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
+from scipy.signal import fftconvolve
 
 from eigenwalker._validation import WalkError, check_finite
 from eigenwalker.motion.fourier import SEARCH_HARMONICS
-from eigenwalker.motion.phase import stride_frequency
+from eigenwalker.motion.heading import check_in_place
+from eigenwalker.motion.phase import phase_weights, stride_frequency
 from eigenwalker.motion.walk import JointWalk, Walk
 
 __all__ = ["StridePhase", "fit_phase", "steady_cadence", "stride_phase"]
@@ -42,6 +44,7 @@ def stride_phase(walk: Walk | JointWalk, *, n_terms: int | None = None) -> Strid
 
     with Legendre polynomials P_j over the length of the walk. For each trial phase the walk is a series of 4
     harmonics with least-squares coefficients, so that only the a_j are searched (variable projection, Gauss-Newton).
+    The search starts from the phase of left minus right ankle, forward, over two strides around each moment.
 
     Parameters
     ----------
@@ -57,8 +60,10 @@ def stride_phase(walk: Walk | JointWalk, *, n_terms: int | None = None) -> Strid
     Raises
     ------
     WalkError
-        If values are not finite, if the walk has no period or less than one stride, or if no phase that rises
-        throughout fits it.
+        If the walk travels, has values that are not finite, no period or less than one stride, or if no phase that
+        rises throughout fits it.
+    ValueError
+        If `n_terms` is not a whole number of 0 or more.
 
     Examples
     --------
@@ -71,12 +76,18 @@ def stride_phase(walk: Walk | JointWalk, *, n_terms: int | None = None) -> Strid
     """
     channels = np.asarray(walk.channels, dtype=np.float64)
     check_finite(channels, walk.channel_names, walk=walk.name)
+    if n_terms is not None and (n_terms != int(n_terms) or n_terms < 0):
+        raise ValueError(f"n_terms must be a whole number of 0 or more, or None, got {n_terms!r}")
+    if isinstance(walk, Walk) and "pelvis" in walk.marker_set.names:
+        check_in_place(walk)
     frequency = stride_frequency(walk)
     n_strides = walk.duration * frequency
-    n_terms = int(n_strides / 2) if n_terms is None else n_terms
+    n_terms = int(n_strides / 2) if n_terms is None else int(n_terms)
     n_harmonics = max(1, min(SEARCH_HARMONICS, int(0.45 * walk.frame_rate / frequency)))
-    start = 2 * np.pi * frequency / walk.frame_rate * np.arange(walk.n_frames)
-    phase = fit_phase(channels, start, n_terms=n_terms, n_harmonics=n_harmonics) if n_terms else start
+    phase = 2 * np.pi * frequency / walk.frame_rate * np.arange(walk.n_frames)
+    if n_terms:
+        start = phase + _first_drift(channels @ phase_weights(walk), phase, n_terms)
+        phase = fit_phase(channels, start, n_terms=n_terms, n_harmonics=n_harmonics)
     steps = np.diff(phase)
     if steps.size == 0 or steps.min() < _SLOWEST * steps.mean():
         raise WalkError(
@@ -84,6 +95,22 @@ def stride_phase(walk: Walk | JointWalk, *, n_terms: int | None = None) -> Strid
             f"use fewer than n_terms={n_terms}, or a part of the walk without a stop"
         )
     return StridePhase(phase - phase[0], float(steps.mean() * walk.frame_rate / (2 * np.pi)))
+
+
+def _first_drift(reference: NDArray[np.floating], phase: NDArray[np.floating], n_terms: int) -> NDArray[np.floating]:
+    """Return how far the phase of a signal (n_frames,) runs ahead of a steady one, as a Legendre polynomial.
+
+    The signal is demodulated: its product with exp(-i phase) turns slowly. Hann's window over two strides leaves the
+    other harmonics and the mean out.
+    """
+    half = round(2 * np.pi / (phase[1] - phase[0]))  # frames of a stride
+    window = np.hanning(2 * half + 1)
+    turning = fftconvolve((reference - reference.mean()) * np.exp(-1j * phase), window, mode="full")
+    turning = turning[half : half + len(phase)]
+    angles, certainty = np.unwrap(np.angle(turning)), np.abs(turning)[:, np.newaxis]
+    basis = legvander(np.linspace(-1.0, 1.0, len(phase)), n_terms)
+    terms = np.linalg.lstsq(certainty * basis, certainty[:, 0] * angles)[0]
+    return basis[:, 1:] @ terms[1:]
 
 
 def fit_phase(
@@ -189,7 +216,12 @@ def steady_cadence(walk: Walk, *, n_terms: int | None = None) -> Walk:
     sources = make_interp_spline(phase, frames, k=min(3, degree))(np.linspace(0.0, phase[-1], walk.n_frames))
     sources = np.clip(sources, 0.0, frames[-1])  # the ends, against rounding
     channels = make_interp_spline(frames, np.asarray(walk.channels, dtype=np.float64), k=degree)(sources)
-    times = [np.interp(event.time * walk.frame_rate, sources, frames) / walk.frame_rate for event in walk.events]
-    events = tuple(event._replace(time=float(time)) for event, time in zip(walk.events, times, strict=True))
+    events = tuple(event._replace(time=_moved(event.time, sources, walk.frame_rate)) for event in walk.events)
     known = {} if np.isnan(walk.frequency) else {"frequency": frequency}
     return walk.with_channels(channels, events=events, **known)
+
+
+def _moved(time: float, sources: NDArray[np.float64], frame_rate: float) -> float:
+    """Return when the result shows what the walk showed at a time; times before and after the walk stay."""
+    shifts = np.arange(len(sources)) - sources  # zero in the first and in the last frame
+    return time + float(np.interp(time * frame_rate, sources, shifts)) / frame_rate

@@ -1,13 +1,14 @@
 """A recording with turns and stops, split into passes: stretches of walking in one direction."""
 
 from dataclasses import replace
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import median_filter, uniform_filter1d
 
 from eigenwalker._validation import WalkError, check_finite
-from eigenwalker.motion.heading import leftward, leg_difference
+from eigenwalker.motion.heading import across_pairs, leftward, leg_difference
 from eigenwalker.motion.walk import Walk
 
 __all__ = ["cut", "split_passes"]
@@ -16,6 +17,8 @@ _NEEDED = ("left_hip", "right_hip", "left_ankle", "right_ankle")
 _WINDOW = 1.0  # seconds, about a stride: its twist of the trunk is no turn
 _STRIDE = 1.2  # seconds over which the swing of the legs is measured
 _STANDING = 0.5  # of the swing of the legs while walking, below which a person stands
+_STILL = 0.05  # metres of that swing in which nobody walks, and noise of a sensor may lie
+_ROUNDING = 1e-6  # seconds by which an event in the first frame may miss it
 
 
 def split_passes(walk: Walk, *, turn_rate: float = 0.8, min_duration: float = 2.0) -> list[Walk]:
@@ -76,7 +79,7 @@ def _check(walk: Walk) -> None:
             f"walk {walk.name!r}: expected the markers {', '.join(_NEEDED)}, but {', '.join(missing)} are missing; "
             f"it has {', '.join(walk.marker_set.names)}"
         )
-    for name in _NEEDED:
+    for name in dict.fromkeys((*_NEEDED, *chain.from_iterable(across_pairs(walk)))):
         check_finite(walk.marker(name), [f"{name}_{axis}" for axis in "xyz"], walk=walk.name)
 
 
@@ -95,7 +98,8 @@ def _is_walking(walk: Walk) -> NDArray[np.bool_]:
     width = max(3, round(_STRIDE * walk.frame_rate) | 1)
     mean = uniform_filter1d(difference, width, axis=0, mode="nearest")
     swing = np.sqrt(uniform_filter1d((difference - mean) ** 2, width, axis=0, mode="nearest").sum(axis=1))
-    return swing >= _STANDING * np.quantile(swing, 0.75)
+    moving = swing[swing > _STILL / walk.size]  # however long a person stood before
+    return swing >= _STANDING * (np.quantile(moving, 0.75) if moving.size else np.inf)
 
 
 def _runs(flags: NDArray[np.bool_]) -> list[slice]:
@@ -107,5 +111,6 @@ def _runs(flags: NDArray[np.bool_]) -> list[slice]:
 def cut(walk: Walk, frames: slice) -> Walk:
     """Keep a stretch of frames, and the events in it."""
     start, end = frames.start / walk.frame_rate, frames.stop / walk.frame_rate
-    events = tuple(event._replace(time=event.time - start) for event in walk.events if start <= event.time < end)
+    inside = [event for event in walk.events if start - _ROUNDING <= event.time < end]
+    events = tuple(event._replace(time=max(event.time - start, 0.0)) for event in inside)
     return replace(walk, positions=walk.positions[frames], events=events)

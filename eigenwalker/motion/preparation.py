@@ -13,21 +13,30 @@ from eigenwalker._validation import check_choice, check_finite, check_walks
 from eigenwalker.motion.body import check_leg_length, stature
 from eigenwalker.motion.cadence import steady_cadence
 from eigenwalker.motion.filtering import low_pass, resample
-from eigenwalker.motion.fourier import FREQUENCY_RANGE, coarse_frequency, estimate_frequency
+from eigenwalker.motion.fourier import FREQUENCY_RANGE, coarse_frequency
 from eigenwalker.motion.gaps import fill_gaps
-from eigenwalker.motion.heading import facing, first_direction, floor_points, leg_difference, travels, turn
+from eigenwalker.motion.heading import (
+    facing,
+    first_direction,
+    floor_points,
+    leg_difference,
+    one_stride,
+    swing,
+    travels,
+    turn,
+)
 from eigenwalker.motion.passes import cut
-from eigenwalker.motion.path import Path, fit_path, longest_run, stance_speed, steady_stretch
+from eigenwalker.motion.path import longest_run, stance_speed, steady_stretch
 from eigenwalker.motion.phase import stride_frequency
 from eigenwalker.motion.strides import cut_to_strides
 from eigenwalker.motion.symmetry import symmetrize_walk
+from eigenwalker.motion.treadmill import refine_frequency, smooth_path, straighten, without_path
 from eigenwalker.motion.walk import JointWalk, Walk
 
 __all__ = ["prepare", "prepare_walks"]
 
 _NEEDED = ("pelvis", "left_hip", "right_hip", "left_ankle", "right_ankle")
 _JUMP_SPEED = 15.0  # m/s of the pelvis between two frames; no body moves like that
-_MAX_ROUNDS = 20
 _ENOUGH_STRIDES = 2.0  # a steady part with fewer is widened
 
 
@@ -80,12 +89,13 @@ def prepare(
         The longest stretch in which the pelvis's speed over a stride stays within 20 % of its median, or all. If
         the steady stretch has fewer than two strides the limit is widened in steps of 10 %, up to the whole clip.
     frequency : {"search", "events"}, default "search"
-        "events" cuts the walk to the strides between heel strikes and counts them, see `cut_to_strides`; one stride
-        is enough then. "search" leaves the frequency to be found in the motion.
+        "events" cuts the walk to the strides between events of one foot and counts them, see `cut_to_strides`; one
+        stride is enough then. "search" leaves the frequency to be found in the motion.
     heading : {"path", "curve", "body", None}, default "path"
-        What is turned to x: the direction of the path; its direction at each moment, which straightens a gentle curve;
-        or the mean direction the pelvis faces. None leaves the walk as it is. In place there is no path; there "path"
-        and "curve" are the direction in which the legs swing.
+        What is turned to x: the direction of the path; its direction at each moment, which straightens a gentle curve
+        (within a millimeter for one radian on eight strides; fewer strides give the path fewer bends); or the mean
+        direction the pelvis faces. None leaves the walk as it is. In place there is no path; there "path" and "curve"
+        are the direction in which the legs swing.
     treadmill : bool, default True
         Whether the path is taken out.
     normalize_size : bool, default False
@@ -106,7 +116,8 @@ def prepare(
     ------
     WalkError
         If a marker is missing, a value is not finite, legs are shorter than 0.3 m or longer than 1.3 m, the walk has
-        no period, or has less than one stride.
+        no period, or has less than one stride. With "events" also if no foot strikes or leaves the floor twice, with
+        "curve" if the path nearly stops, and if "steady" or `symmetrize` is asked for while the walk still travels.
 
     Examples
     --------
@@ -132,6 +143,8 @@ def prepare(
         walk = _steady_part(walk, direction, frequency_range)
     if frequency == "events":
         walk = _whole_strides(walk, direction)
+    if camera == "moving":
+        walk = _above_ankles(walk, _frequency_in_place(walk, direction, frequency_range))
     walk = _to_heading(walk, heading, direction, treadmill, frequency_range)
     walk = _to_unit_stature(walk) if normalize_size else walk
     return _without_variation(walk, cadence == "steady", symmetrize, frequency_range)
@@ -165,10 +178,16 @@ def _without_leaps(walk: Walk) -> Walk:
 
 
 def _around_pelvis(walk: Walk) -> Walk:
-    """Count x and y from the pelvis, frame by frame, and z from the mean height of the ankles."""
-    ankles = (walk.marker("left_ankle")[:, 2].mean() + walk.marker("right_ankle")[:, 2].mean()) / 2
-    origin = np.column_stack((floor_points(walk, "pelvis"), np.full(walk.n_frames, ankles)))
+    """Count x and y from the pelvis, frame by frame."""
+    origin = np.column_stack((floor_points(walk, "pelvis"), np.zeros(walk.n_frames)))
     return replace(walk, positions=walk.positions - origin[:, np.newaxis])
+
+
+def _above_ankles(walk: Walk, frequency: float) -> Walk:
+    """Count z from the mean height of the ankles over a stride."""
+    heights = np.column_stack([walk.marker(f"{side}_ankle")[:, 2] for side in ("left", "right")])
+    mean = one_stride(heights, walk.frame_rate, frequency).mean()
+    return replace(walk, positions=walk.positions - np.array([0.0, 0.0, mean]))
 
 
 def _guess_frequency(walk: Walk, direction: NDArray[np.float64], frequency_range: tuple[float, float]) -> float:
@@ -176,6 +195,11 @@ def _guess_frequency(walk: Walk, direction: NDArray[np.float64], frequency_range
         return walk.frequency
     difference = leg_difference(walk) @ direction
     return coarse_frequency(difference, walk.frame_rate, frequency_range=frequency_range, name=walk.name)
+
+
+def _frequency_in_place(walk: Walk, direction: NDArray[np.float64], frequency_range: tuple[float, float]) -> float:
+    """Return the stride frequency of a walk that stays in place, whichever way it leads."""
+    return refine_frequency(walk, _guess_frequency(walk, direction, frequency_range))
 
 
 def _steady_part(walk: Walk, direction: NDArray[np.float64], frequency_range: tuple[float, float]) -> Walk:
@@ -202,60 +226,26 @@ def _to_heading(
 ) -> Walk:
     """Take the path of a walk that travels out, and turn what is ahead to x."""
     if not travels(walk):
-        walk = _with_belt(walk, direction, frequency_range)
+        stride = _frequency_in_place(walk, direction, frequency_range)
+        direction = swing(walk, stride)
+        walk = _with_belt(walk, direction)
+    elif heading == "curve":
+        return straighten(walk, _guess_frequency(walk, direction, frequency_range), treadmill=treadmill)
     else:
-        path = _smooth_path(walk, direction, frequency_range)
-        if heading == "curve":
-            return _unroll(walk, path, treadmill)
+        path, stride = smooth_path(walk, _guess_frequency(walk, direction, frequency_range))
         direction = path.velocity
-        walk = _without_path(walk, path) if treadmill else walk
+        walk = without_path(walk, path.points) if treadmill else walk
     if heading is None:
         return walk
-    return turn(walk, facing(walk) if heading == "body" else direction)
+    return turn(walk, facing(walk, stride) if heading == "body" else direction)
 
 
-def _with_belt(walk: Walk, direction: NDArray[np.float64], frequency_range: tuple[float, float]) -> Walk:
-    """Refuse a walk in place that has no period; estimate the speed of the belt where it is unknown."""
-    _guess_frequency(walk, direction, frequency_range)
+def _with_belt(walk: Walk, direction: NDArray[np.float64]) -> Walk:
+    """Estimate the speed of the belt where it is unknown."""
     if not np.isnan(walk.speed):
         return walk
     left, right = (floor_points(walk, f"{side}_ankle") @ direction for side in ("left", "right"))
-    return replace(walk, speed=stance_speed(left, right, walk.frame_rate))
-
-
-def _smooth_path(walk: Walk, direction: NDArray[np.float64], frequency_range: tuple[float, float]) -> Path:
-    """Return the path of the pelvis.
-
-    It is fitted together with harmonics of a frequency that is found in the walk without its path; the two are
-    repeated until they agree.
-    """
-    frequency, before = _guess_frequency(walk, direction, frequency_range), 0.0
-    path = fit_path(floor_points(walk, "pelvis"), walk.frame_rate, frequency)
-    for _ in range(_MAX_ROUNDS if np.isnan(walk.frequency) else 0):
-        if abs(frequency - before) <= 1e-9 * frequency:
-            break
-        channels = _without_path(walk, path).channels
-        frequency, before = estimate_frequency(channels, walk.frame_rate, start=frequency, precision=1e-6), frequency
-        path = fit_path(floor_points(walk, "pelvis"), walk.frame_rate, frequency)
-    return path
-
-
-def _without_path(walk: Walk, path: Path) -> Walk:
-    """Take the path out of all markers; its mean velocity is the speed of the belt."""
-    positions = walk.positions - np.pad(path.points, ((0, 0), (0, 1)))[:, np.newaxis]
-    return replace(walk, positions=positions, speed=float(np.hypot(*path.velocity)))
-
-
-def _unroll(walk: Walk, path: Path, treadmill: bool) -> Walk:
-    """Turn each frame by the direction of the path there, so that the path becomes a straight line along x."""
-    steps = np.gradient(path.points, axis=0)  # (n_frames, 2), metres a frame
-    lengths = np.linalg.norm(steps, axis=1)
-    straight = turn(_without_path(walk, path), steps)
-    if treadmill:
-        return replace(straight, speed=float(lengths.mean() * walk.frame_rate))
-    along = np.concatenate(([0.0], np.cumsum((lengths[1:] + lengths[:-1]) / 2)))
-    positions = straight.positions + along[:, np.newaxis, np.newaxis] * [1.0, 0.0, 0.0]
-    return replace(straight, positions=positions, speed=walk.speed)
+    return replace(walk, speed=walk.size * stance_speed(left, right, walk.frame_rate))
 
 
 def _to_unit_stature(walk: Walk) -> Walk:
@@ -267,11 +257,11 @@ def _without_variation(walk: Walk, steady: bool, symmetrize: bool, frequency_ran
     """Take drift of the cadence and differences between left and right out, at a frequency within the range."""
     if not (steady or symmetrize):
         return walk
-    known = walk.frequency
+    unknown = np.isnan(walk.frequency)
     walk = replace(walk, frequency=stride_frequency(walk, frequency_range=frequency_range))
     walk = steady_cadence(walk) if steady else walk
     walk = symmetrize_walk(walk) if symmetrize else walk
-    return replace(walk, frequency=known)
+    return replace(walk, frequency=np.nan) if unknown else walk
 
 
 def prepare_walks(

@@ -7,7 +7,7 @@ from eigenwalker.motion.fourier import fit_harmonics
 
 __all__ = ["fit_harmonics_robust"]
 
-_BIWEIGHT = 4.685  # Tukey's constant, in standard deviations of one axis: 95 % efficient with normal noise
+_BIWEIGHT = 5.490  # Tukey's constant, in standard deviations of one axis: 95 % efficient with normal noise in three
 _MEDIAN_LENGTH = 1.5382  # median length of a three-dimensional normal vector of unit standard deviation
 _MAX_ROUNDS = 50
 _PRECISION = 1e-9  # of the largest coefficient
@@ -22,10 +22,13 @@ def fit_harmonics_robust(
     Iteratively reweighted least squares with Tukey's biweight (Beaton & Tukey 1974, Technometrics 16, 147-185). With
     the distance d of a marker from its series in a frame, and its spread s over all frames,
 
-    .. math:: w = (1 - (d / (4.685 s))^2)^2 \text{ where } d < 4.685 s, \text{ else } 0
+    .. math:: w = (1 - (d / (5.490 s))^2)^2 \text{ where } d < 5.490 s, \text{ else } 0
 
-    s is the median of d over 1.538, the median for normal noise of unit standard deviation in three axes. Each marker
-    has weights and a spread of its own, so that one hand that jumps costs nothing elsewhere.
+    s is the median of d over 1.538, the median for normal noise of unit standard deviation in three axes; with the
+    constant 5.490 the variance is that of least squares over 0.95 in such noise (4.685 is the one for a single axis).
+    Each marker has weights and a spread of its own, so that one hand that jumps costs nothing elsewhere. Up to a third
+    of the frames may be wrong if every part of the stride is seen right more often than not; a marker that is wrong in
+    the same part of most strides cannot be told from one that moves that way.
 
     Parameters
     ----------

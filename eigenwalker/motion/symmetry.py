@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 
 from eigenwalker._validation import WalkError, check_finite
-from eigenwalker.motion.fourier import SEARCH_HARMONICS, fit_harmonics, shift_phase
+from eigenwalker.motion.fourier import fit_harmonics, shift_phase
+from eigenwalker.motion.heading import check_in_place, one_stride
 from eigenwalker.motion.phase import stride_frequency
 from eigenwalker.motion.walk import Walk
 
 __all__ = ["Asymmetry", "asymmetry_index", "mirror_walk", "symmetrize_walk"]
 
-_TRAVEL_SPEED = 0.15  # m/s over the whole walk; slower is swaying on a treadmill, not going anywhere
 _OTHER_SIDE = {"left": "right", "right": "left"}
 _WRAPPED = 8  # frames of the other end that continue a walk which lacks the last frame of its stride
 
@@ -185,7 +185,7 @@ def half_stride_apart(channels: NDArray[np.floating], frame_rate: float, frequen
     frames = np.arange(len(channels), dtype=np.float64)
     last = frames[-1]
     end = max(last, stride)
-    spline = make_interp_spline(*_one_stride_at_least(frames, channels, stride), k=5)
+    spline = make_interp_spline(*one_stride_at_least(frames, channels, stride), k=5)
     later = spline(np.minimum(frames + stride / 2, end))
     earlier = spline(np.maximum(frames - stride / 2, last - end))
     # Both are known from half a stride after the start to half a stride before the end.
@@ -193,7 +193,7 @@ def half_stride_apart(channels: NDArray[np.floating], frame_rate: float, frequen
     return later + fade[:, np.newaxis] * (earlier - later)
 
 
-def _one_stride_at_least(
+def one_stride_at_least(
     frames: NDArray[np.float64], channels: NDArray[np.floating], stride: float
 ) -> tuple[NDArray[np.float64], NDArray[np.floating]]:
     """Return times and channels, with those of the other end a stride apart where they last less than one stride."""
@@ -212,9 +212,7 @@ def _mirror(positions: NDArray[np.floating], walk: Walk, plane: float) -> NDArra
 
 def _mirror_plane(walk: Walk, frequency: float) -> float:
     """Return the mean y of the pelvis, its sway taken out: the mean over frames has part of a stride in it."""
-    sway = walk.marker("pelvis")[:, 1:2]
-    n_harmonics = max(1, min(SEARCH_HARMONICS, int(0.45 * walk.frame_rate / frequency), (len(sway) - 2) // 3))
-    return float(fit_harmonics(sway, walk.frame_rate, frequency, n_harmonics)[0, 0])
+    return float(one_stride(walk.marker("pelvis")[:, 1:2], walk.frame_rate, frequency).mean())
 
 
 def _check_markers(walk: object) -> None:
@@ -233,11 +231,5 @@ def _frequency_in_place(walk: Walk) -> float:
         raise WalkError(
             f"walk {walk.name!r}: the mirror stands at the marker pelvis; it has {', '.join(walk.marker_set.names)}"
         )
-    times = (np.arange(walk.n_frames) - (walk.n_frames - 1) / 2) / walk.frame_rate
-    drift = times @ walk.marker("pelvis")[:, :2] / max(times @ times, 1e-12)  # slope of the straight line through it
-    if np.hypot(*drift) > _TRAVEL_SPEED / walk.size:
-        raise WalkError(
-            f"walk {walk.name!r}: expected a walk in place, got one that travels at {np.hypot(*drift):.2g} m/s; "
-            "prepare it first"
-        )
+    check_in_place(walk)
     return stride_frequency(walk)

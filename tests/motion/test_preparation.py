@@ -1,5 +1,6 @@
 """From a recording to the treadmill, and back over the floor."""
 
+import inspect
 from dataclasses import replace
 
 import numpy as np
@@ -8,8 +9,23 @@ from numpy.testing import assert_allclose
 
 from eigenwalker import WalkError, WalkPreparer, make_walkers, prepare
 from eigenwalker.model import FourierLinearizer
-from eigenwalker.motion import TROJE15, Event, MarkerSet, Walk, mirror_walk, prepare_walks, walk_quality
+from eigenwalker.motion import (
+    TROJE15,
+    Event,
+    MarkerSet,
+    Walk,
+    fill_gaps,
+    low_pass,
+    mirror_walk,
+    prepare_walks,
+    resample,
+    steady_cadence,
+    stride_frequency,
+    symmetrize_walk,
+    walk_quality,
+)
 from tests import contract
+from tests.recordings import around, drifting_walk, over_the_floor, turned
 from tests.synthetic import make_walk
 
 
@@ -184,6 +200,123 @@ def test_wrong_choices_are_refused():
         prepare(moving, heading="north")
     with pytest.raises(TypeError, match="expected a Walk or a JointWalk, got ndarray"):
         prepare(moving.positions)
+
+
+def _clean(over_floor, *, n_cycles=6.3):
+    """Return a walk without noise whose number of strides is not whole."""
+    still, _ = make_walk(np.random.default_rng(7), n_cycles=n_cycles, phase=1.0, name="anna")
+    return over_the_floor(around(still)) if over_floor else around(still)
+
+
+@pytest.mark.parametrize("over_floor", [False, True])
+def test_options_are_the_functions_they_name(over_floor):
+    """Each step that can be asked for is the function of its name, before or after the plain preparation."""
+    walk = _clean(over_floor)
+    plain = prepare(walk)
+    assert_allclose(prepare(walk, cadence="steady").positions, steady_cadence(plain).positions, atol=1e-9)
+    assert_allclose(prepare(walk, symmetrize=True).positions, symmetrize_walk(plain).positions, atol=1e-9)
+    for name, function in (("cutoff", low_pass), ("frame_rate", resample)):
+        changed = function(walk, **{name: 50.0})
+        assert_allclose(prepare(walk, **{name: 50.0}).positions, prepare(changed).positions, atol=1e-12)
+
+
+def test_gaps_are_filled_before_the_markers_are_placed():
+    walk = _with_gap(_clean(over_floor=True))
+    assert_allclose(prepare(walk, max_gap=0.1).positions, prepare(fill_gaps(walk, max_gap=0.1)).positions)
+    assert_allclose(_features(prepare(walk, max_gap=0.1)), _features(prepare(_clean(over_floor=True))), atol=1e-4)
+    with pytest.raises(WalkError, match="fill the gaps"):
+        prepare(walk, max_gap=0.001)
+
+
+def test_a_camera_that_follows_leaves_what_the_body_does():
+    """The pelvis stays over the origin; apart from that, motion about it is that of the walk over the floor."""
+    walk = _clean(over_floor=True)
+    followed = replace(walk, positions=walk.positions - walk.marker("pelvis")[:, np.newaxis] * [1, 1, 0] + [3, 2, 1])
+    seen = prepare(turned(followed, 80.0), camera="moving")
+    assert_allclose(seen.marker("pelvis")[:, :2], 0.0, atol=1e-9)
+    known = prepare(walk, clip="whole")
+    about = known.positions - known.marker("pelvis")[:, np.newaxis] * [1, 1, 0]
+    twist = np.abs(seen.positions - about)[..., :2].max()
+    assert twist < 0.03  # the legs swing along x instead of the path: half a degree
+    heights = seen.positions[..., 2] - about[..., 2]
+    assert_allclose(heights, heights[0, 0], atol=1e-9)
+    ankles = [TROJE15.index(f"{side}_ankle") for side in ("left", "right")]
+    assert_allclose(_features(seen)[0, :45].reshape(15, 3)[ankles, 2].mean(), 0.0, atol=1e-9)
+    assert_allclose(seen.speed, prepare(_clean(over_floor=False)).speed, rtol=0.05)
+
+
+def test_speed_is_in_meters_per_second_whatever_the_size():
+    walk = _clean(over_floor=True)
+    sizes = [prepare(replace(walk, positions=walk.positions / size, size=size)) for size in (1.0, 1.6)]
+    assert_allclose([one.speed for one in sizes], 1.3, atol=1e-6)
+    still = _clean(over_floor=False)
+    in_place = [prepare(replace(still, positions=still.positions / size, size=size)) for size in (1.0, 1.6)]
+    assert_allclose(in_place[0].speed, in_place[1].speed)
+
+
+def test_a_known_frequency_stays_known_and_right():
+    """Counted strides time the walk as recorded. Where drift is taken out the mean cadence is what the result has."""
+    drift = 0.8 * np.linspace(-1.0, 1.0, 700) ** 2
+    walk = over_the_floor(around(drifting_walk(drift)[0]))
+    for options in ({}, {"cadence": "steady"}, {"symmetrize": True}):
+        known = prepare(walk, frequency="events", **options)
+        assert_allclose(known.frequency, stride_frequency(replace(known, frequency=np.nan)), rtol=5e-3)
+        assert np.isnan(prepare(walk, **options).frequency)
+    steady = prepare(walk, frequency="events", cadence="steady")
+    assert walk_quality(steady).explained_power > 0.999
+
+
+@pytest.mark.parametrize("option", [{"cadence": "steady"}, {"symmetrize": True}])
+def test_what_needs_a_treadmill_says_so(option):
+    with pytest.raises(WalkError, match=r"'anna': expected a walk in place, got one that .* treadmill=True first"):
+        prepare(_clean(over_floor=True), treadmill=False, **option)
+    prepare(_clean(over_floor=False), treadmill=False, **option)
+
+
+def test_the_direction_of_a_walk_that_turns_back_is_its_drift():
+    """Out and nearly back: from start to end it goes nowhere, while the line through its path has a direction."""
+    still = around(_clean(over_floor=False, n_cycles=12.0))
+    line = np.linspace(0.0, 1.0, still.n_frames)
+    away = np.where(line < 0.9, 0.5 * still.duration * line, 0.5 * still.duration * 9 * (1 - line))
+    walk = replace(still, positions=still.positions + away[:, np.newaxis, np.newaxis] * [1.0, 0.0, 0.0])
+    assert_allclose(_features(prepare(walk)), _features(prepare(over_the_floor(still, speed=0.5))), atol=1e-3)
+
+
+NEW = {
+    "max_gap": 0.1,
+    "cutoff": 10.0,
+    "frame_rate": 60.0,
+    "frequency": "events",
+    "heading": "curve",
+    "cadence": "steady",
+    "symmetrize": True,
+}
+
+
+@pytest.mark.parametrize("check", contract.CHECKS, ids=lambda check: check.__name__)
+def test_contract_with_all_steps(check):
+    check(WalkPreparer(**NEW), [_overground(seed, n_cycles=8)[0] for seed in range(3)])
+
+
+def test_the_step_takes_what_the_function_takes():
+    """Same names and same defaults, in the same order."""
+    ours, theirs = (inspect.signature(one).parameters for one in (WalkPreparer, prepare))
+    assert {name: one.default for name, one in ours.items()} == {
+        name: one.default for name, one in theirs.items() if name != "walk"
+    }
+    assert list(ours) == list(theirs)[1:]
+
+
+def test_wrong_choices_of_new_steps_are_refused():
+    moving, _ = _overground()
+    for name, choices in (
+        ("camera", "'still', 'moving'"),
+        ("frequency", "'search', 'events'"),
+        ("cadence", "'recorded', 'steady'"),
+        ("heading", "'path', 'curve', 'body', None"),
+    ):
+        with pytest.raises(ValueError, match=f"{name} must be one of {choices}, got 'other'"):
+            prepare(moving, **{name: "other"})
 
 
 @pytest.mark.parametrize("check", contract.CHECKS, ids=lambda check: check.__name__)
