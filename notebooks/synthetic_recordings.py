@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from eigenwalker import JointWalk, Skeleton, Walk, make_walkers, write_walk
@@ -14,6 +15,8 @@ __all__ = ["there_and_back", "write_recordings"]
 _STYLES = ("active", "elderly", "exhausted", "feminine", "masculine", "normal", "youthful")
 _N_WALKS = 5  # of each style
 _N_PASSES = 10
+_N_PEOPLE = 18  # before a Kinect
+_N_RECORDINGS = 2  # of each
 _PAIRS = ("shoulder", "elbow", "wrist", "hip", "knee", "ankle")
 _KINECT = {"Head": "head", "Shoulder-Center": "clavicle", "Spine": "clavicle", "Hip-centro": "pelvis"} | {
     f"{joint}-{side}": f"{side.lower()}_{marker}"
@@ -30,17 +33,16 @@ def write_recordings(folder: Path) -> Path:
     ----------
     folder : Path
         Where to. It gets the folders ``bandai2``, with walks over the floor; ``horst_c3d``, with short passes of one
-        person and a static trial; and ``kinect``, with one recording there and back.
+        person and a static trial; and ``kinect``, with recordings there and back of some people, and a table of them.
     """
     floor = make_walkers(len(_STYLES) * _N_WALKS, treadmill=False, frame_rate=30, random_state=0).data
     names = [f"dataset-2_walk_{style}_{number:03d}" for style in _STYLES for number in range(1, _N_WALKS + 1)]
-    for directory in ("bandai2", "horst_c3d", "kinect/Person001"):
+    for directory in ("bandai2", "horst_c3d", "kinect"):
         (folder / directory).mkdir(parents=True)
     for walk, name in zip(floor, names, strict=True):
         write_walk(_as_joints(walk), folder / "bandai2" / f"{name}.bvh")
     _write_passes(folder / "horst_c3d")
-    kinect = make_walkers(1, treadmill=False, frame_rate=30, noise=0.01, random_state=2).data[0]
-    _write_kinect(there_and_back(kinect), folder / "kinect" / "Person001" / "1.txt")
+    _write_people(folder / "kinect")
     return folder
 
 
@@ -63,6 +65,26 @@ def _write_passes(folder: Path) -> None:
         write_walk(replace(walk, positions=walk.positions[start : start + 350]), folder / f"S01_{number:04d}_Gait.c3d")
     standing = np.repeat(walk.positions[:1], 100, axis=0)
     write_walk(replace(walk, positions=standing), folder / "S01_0001_Static.c3d")
+
+
+def _write_people(folder: Path) -> None:
+    """Write noisy recordings there and back of people before a Kinect, and what is known of them."""
+    walkers = make_walkers(_N_PEOPLE, treadmill=False, duration=6, frame_rate=30, random_state=2)
+    rng = np.random.default_rng(3)
+    people = [f"Person{number:03d}" for number in range(1, _N_PEOPLE + 1)]
+    for person, walk in zip(people, walkers.data, strict=True):
+        (folder / person).mkdir()
+        for number in range(1, _N_RECORDINGS + 1):
+            recording = there_and_back(walk)
+            noisy = recording.positions + rng.normal(scale=0.02, size=recording.positions.shape)
+            _write_kinect(replace(recording, positions=noisy), folder / person / f"{number}.txt")
+    table = {
+        "Gender": np.where(walkers.target["gender"] == "male", "M", "F"),
+        "Height": walkers.target["height"].to_numpy().round(2),
+        "Weight (Kg)": walkers.target["weight"].to_numpy().round(1),
+        "Age": walkers.target["age"].to_numpy().round(),
+    }
+    pd.DataFrame(table, index=pd.Index(people, name="Individual")).to_csv(folder / "person-data.csv")
 
 
 def there_and_back(walk: Walk) -> Walk:

@@ -1,7 +1,7 @@
 """How recordings named on the command line become walks: the arguments, and what they do to one recording."""
 
 import argparse
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -11,14 +11,12 @@ from eigenwalker.io.formats import read_walk
 from eigenwalker.motion.fourier import FREQUENCY_RANGE
 from eigenwalker.motion.gaps import fill_gaps
 from eigenwalker.motion.passes import split_passes
-from eigenwalker.motion.phase import stride_frequency
-from eigenwalker.motion.preparation import prepare
 from eigenwalker.motion.rig import Rig, sources
 from eigenwalker.motion.rigs import find_rig
 from eigenwalker.motion.skeleton import FEET
 from eigenwalker.motion.walk import JointWalk, Walk
 
-__all__ = ["Preparation", "add_preparation_arguments", "find_walks", "make_preparation", "prepare_walk"]
+__all__ = ["Preparation", "add_preparation_arguments", "find_walks", "make_preparation"]
 
 
 @dataclass(frozen=True)
@@ -49,8 +47,8 @@ class Preparation:
     options: dict[str, Any] = field(default_factory=dict)
 
 
-def add_preparation_arguments(parser: argparse.ArgumentParser, *, events: bool = True) -> None:
-    """Add the arguments that say how recordings become walks; without `events`, all but --frequency."""
+def add_preparation_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments that say how recordings become walks."""
     group = parser.add_argument_group("from recordings to walks")
     group.add_argument(
         "--markers",
@@ -77,13 +75,12 @@ def add_preparation_arguments(parser: argparse.ArgumentParser, *, events: bool =
         "--max-gap", type=_positive, metavar="SECONDS", help="fill gaps in marker paths up to this length (none)"
     )
     group.add_argument("--cutoff", type=_positive, metavar="HZ", help="low-pass against noise, such as 6 (none)")
-    if events:
-        group.add_argument(
-            "--frequency",
-            choices=("search", "events"),
-            help="events: cut walks from heel strike to heel strike and count strides; one is enough (search)",
-        )
-    parser.set_defaults(frequency="search")
+    group.add_argument(
+        "--frequency",
+        choices=("search", "events"),
+        default="search",
+        help="events: cut walks from heel strike to heel strike and count strides; one is enough (search)",
+    )
     group.add_argument(
         "--frequency-range",
         type=_positive,
@@ -107,9 +104,9 @@ def _positive(text: str) -> float:
 
 def make_preparation(options: argparse.Namespace, *, reading: dict[str, object], feet: bool = False) -> Preparation:
     """Return the preparation that was asked for; the map of markers and the static trial are read."""
-    low, high = options.frequency_range or FREQUENCY_RANGE
-    if low >= high:
-        raise ValueError(f"--frequency-range must be LOW HIGH, the lower one first, got {low:g} {high:g}")
+    limits = options.frequency_range
+    if limits is not None and limits[0] >= limits[1]:
+        raise ValueError(f"--frequency-range must be LOW HIGH, the lower one first, got {limits[0]:g} {limits[1]:g}")
     return Preparation(
         rig=read_marker_map(options.markers) if options.markers is not None else None,
         static=_read_static(options.static, reading) if options.static is not None else None,
@@ -120,7 +117,7 @@ def make_preparation(options: argparse.Namespace, *, reading: dict[str, object],
             "camera": options.camera,
             "cutoff": options.cutoff,
             "frequency": options.frequency,
-            "frequency_range": (low, high),
+            "frequency_range": None if limits is None else tuple(limits),
             "cadence": "steady" if options.steady_cadence else "recorded",
             "symmetrize": options.symmetrize,
         },
@@ -167,11 +164,3 @@ def _has_feet(recording: Walk | JointWalk, preparation: Preparation) -> bool:
     except ValueError:
         return False  # what is wrong is said where the 15 markers are needed
     return all(foot in rig.markers and sources(rig.markers[foot]) <= set(found) for foot in FEET)
-
-
-def prepare_walk(walk: Walk | JointWalk, preparation: Preparation) -> Walk:
-    """Return a prepared walk that knows its frequency, so that the range in which it was searched holds on."""
-    prepared = prepare(walk, **preparation.options)
-    return replace(
-        prepared, frequency=stride_frequency(prepared, frequency_range=preparation.options["frequency_range"])
-    )

@@ -14,9 +14,9 @@ from eigenwalker.cli._preparation import (
     add_preparation_arguments,
     find_walks,
     make_preparation,
-    prepare_walk,
 )
 from eigenwalker.io.formats import read_walk
+from eigenwalker.motion.preparation import prepare
 from eigenwalker.motion.walk import Walk
 
 __all__ = ["Loaded", "add_collecting_arguments", "add_recording_arguments", "list_reasons", "load"]
@@ -42,7 +42,7 @@ class Loaded(NamedTuple):
     refusals: list[Refusal]
 
 
-def add_recording_arguments(parser: argparse.ArgumentParser, *, events: bool = True) -> None:
+def add_recording_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments that say what the numbers in a file mean, and those of `add_preparation_arguments`."""
     group = parser.add_argument_group("what the numbers in the files mean")
     group.add_argument(
@@ -50,7 +50,7 @@ def add_recording_arguments(parser: argparse.ArgumentParser, *, events: bool = T
     )
     group.add_argument("--up", choices=("y", "z"), help="axis that points up in the files (BVH: y)")
     group.add_argument("--frame-rate", type=float, metavar="HZ", help="frames per second, in place of the files'")
-    add_preparation_arguments(parser, events=events)
+    add_preparation_arguments(parser)
 
 
 def _unit(text: str) -> str | float:
@@ -112,7 +112,7 @@ def _reading_options(options: argparse.Namespace) -> dict[str, object]:
 def _read_and_prepare(file: tuple[Path, str], *, reading: dict[str, object], preparation: Preparation) -> _Prepared:
     path, name = file
     walks = find_walks(replace(read_walk(path, **reading), name=name), preparation)
-    return collect(partial(prepare_walk, preparation=preparation), walks, [walk.name for walk in walks])
+    return collect(partial(prepare, **preparation.options), walks, [walk.name for walk in walks])
 
 
 def list_reasons(refusals: Sequence[Refusal]) -> str:

@@ -24,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help="recordings")
     parser.add_argument("--out", type=Path, metavar="TABLE.csv", help="file for the table, with all digits")
     add_collecting_arguments(parser)
-    add_recording_arguments(parser, events=False)  # strides cut from strike to strike show fewer steps
+    add_recording_arguments(parser)
 
 
 def run(options: argparse.Namespace) -> None:

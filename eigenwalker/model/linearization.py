@@ -230,7 +230,7 @@ class FourierLinearizer(TransformerMixin, BaseEstimator):
 
     def _fit_each(
         self, walks: list[Walk | JointWalk]
-    ) -> Iterator[tuple[Walk | JointWalk, float, NDArray[np.float64], float]]:
+    ) -> Iterator[tuple[Walk | JointWalk, float, NDArray[np.floating], float]]:
         """Yield each walk with its frequency, its coefficients from its first frame on, and its explained power."""
         weights = phase_weights(self.template_, self.phase_reference)
         for walk in walks:
@@ -240,7 +240,7 @@ class FourierLinearizer(TransformerMixin, BaseEstimator):
             coefficients = self._fit_series(channels, walk.frame_rate, frequency)
             yield walk, frequency, coefficients, explained_by(coefficients, channels, walk.frame_rate, frequency)
 
-    def _fit_series(self, channels: NDArray[np.floating], frame_rate: float, frequency: float) -> NDArray[np.float64]:
+    def _fit_series(self, channels: NDArray[np.floating], frame_rate: float, frequency: float) -> NDArray[np.floating]:
         if self.robust:
             return fit_harmonics_robust(channels, frame_rate, frequency, self.n_harmonics)[0]
         return fit_harmonics(channels, frame_rate, frequency, self.n_harmonics)

@@ -54,12 +54,13 @@ def prepare(
     normalize_size: bool = False,
     cadence: str = "recorded",
     symmetrize: bool = False,
-    frequency_range: tuple[float, float] = FREQUENCY_RANGE,
+    frequency_range: tuple[float, float] | None = None,
 ) -> Walk:
     """Return a walk as it would look on a treadmill, ready for the Fourier model.
 
-    Joint walks and known sets of markers become walks of the 15 markers. Frames before or after a leap of the whole
-    body (frames of zeros at the start of a file) are left out with a warning. Then, for a walk that travels: the
+    Joint walks and known sets of markers become walks of the 15 markers. Frames at both ends in which a marker is
+    missing, and frames before or after a leap of the whole body (frames of zeros at the start of a file), are left out
+    with a warning. Then, for a walk that travels: the
     steady part is cut out; the walk is turned so that it leads along x; and the path of the pelvis, a polynomial in
     time of x and y, fitted together with 4 harmonics of the stride, is taken out of all markers. Its mean velocity
     becomes `speed`. Height over the floor, z, stays as recorded.
@@ -105,8 +106,9 @@ def prepare(
         "steady" takes drift of the cadence out, see `steady_cadence`.
     symmetrize : bool, default False
         Whether the walk becomes the mean of itself and its mirror image; see `symmetrize_walk`.
-    frequency_range : tuple of float, default (0.3, 2.5)
-        Where the stride frequency is looked for, in hertz.
+    frequency_range : tuple of float, default None
+        Where the stride frequency is looked for, in hertz. None is 0.3 to 2.5. A range that is given is for walks of
+        which more is known: the frequency found in it then stays with the walk, so that nothing later finds another.
 
     Returns
     -------
@@ -133,21 +135,26 @@ def prepare(
     check_choice(frequency, ("search", "events"), name="frequency")
     check_choice(heading, ("path", "curve", "body", None), name="heading")
     check_choice(cadence, ("recorded", "steady"), name="cadence")
-    walk = _as_markers(walk, max_gap)
+    limits = FREQUENCY_RANGE if frequency_range is None else frequency_range
+    walk = _without_empty_ends(_as_markers(walk, max_gap))
     check_finite(walk.channels, walk.channel_names, walk=walk.name)
     walk = _without_leaps(walk) if camera == "still" else _around_pelvis(walk)
     walk = walk if cutoff is None else low_pass(walk, cutoff=cutoff)
     walk = walk if frame_rate is None else resample(walk, frame_rate=frame_rate)
     direction = first_direction(walk)
     if clip == "steady" and travels(walk):
-        walk = _steady_part(walk, direction, frequency_range)
+        walk = _steady_part(walk, direction, limits)
     if frequency == "events":
         walk = _whole_strides(walk, direction)
     if camera == "moving":
-        walk = _above_ankles(walk, _frequency_in_place(walk, direction, frequency_range))
-    walk = _to_heading(walk, heading, direction, treadmill, frequency_range)
+        walk = _above_ankles(walk, _frequency_in_place(walk, direction, limits))
+    walk = _to_heading(walk, heading, direction, treadmill, limits)
     walk = _to_unit_stature(walk) if normalize_size else walk
-    return _without_variation(walk, cadence == "steady", symmetrize, frequency_range)
+    if frequency_range is None and cadence == "recorded" and not symmetrize:
+        return walk
+    known = replace(walk, frequency=stride_frequency(walk, frequency_range=limits))
+    varied = _without_variation(known, steady=cadence == "steady", symmetrize=symmetrize)
+    return replace(varied, frequency=np.nan) if frequency_range is None and np.isnan(walk.frequency) else varied
 
 
 def _as_markers(walk: Walk | JointWalk, max_gap: float | None) -> Walk:
@@ -161,6 +168,19 @@ def _as_markers(walk: Walk | JointWalk, max_gap: float | None) -> Walk:
         raise TypeError(f"expected a Walk or a JointWalk, got {type(walk).__name__}")
     check_leg_length(markers)
     return markers
+
+
+def _without_empty_ends(walk: Walk) -> Walk:
+    """Keep the frames from the first to the last one that has all markers, and say how many are left out."""
+    whole = np.flatnonzero(np.isfinite(walk.channels).all(axis=1))
+    if not whole.size or whole[-1] - whole[0] + 1 == walk.n_frames:
+        return walk
+    warnings.warn(
+        f"walk {walk.name!r}: not all markers were seen yet, or any more; kept frames {whole[0]} to {whole[-1]} of "
+        f"{walk.n_frames} and left the other {walk.n_frames - 1 - whole[-1] + whole[0]} out",
+        stacklevel=3,
+    )
+    return cut(walk, slice(whole[0], whole[-1] + 1))
 
 
 def _without_leaps(walk: Walk) -> Walk:
@@ -253,15 +273,10 @@ def _to_unit_stature(walk: Walk) -> Walk:
     return replace(walk, positions=walk.positions / size, size=walk.size * size)
 
 
-def _without_variation(walk: Walk, steady: bool, symmetrize: bool, frequency_range: tuple[float, float]) -> Walk:
-    """Take drift of the cadence and differences between left and right out, at a frequency within the range."""
-    if not (steady or symmetrize):
-        return walk
-    unknown = np.isnan(walk.frequency)
-    walk = replace(walk, frequency=stride_frequency(walk, frequency_range=frequency_range))
+def _without_variation(walk: Walk, *, steady: bool, symmetrize: bool) -> Walk:
+    """Take drift of the cadence and differences between left and right out of a walk of known frequency."""
     walk = steady_cadence(walk) if steady else walk
-    walk = symmetrize_walk(walk) if symmetrize else walk
-    return replace(walk, frequency=np.nan) if unknown else walk
+    return symmetrize_walk(walk) if symmetrize else walk
 
 
 def prepare_walks(

@@ -8,7 +8,6 @@ import numpy as np
 from sklearn.base import BaseEstimator, TransformerMixin
 
 from eigenwalker._validation import WalkError, check_walks
-from eigenwalker.motion.fourier import FREQUENCY_RANGE
 from eigenwalker.motion.preparation import prepare_walks
 from eigenwalker.motion.walk import JointWalk, Walk
 
@@ -44,7 +43,7 @@ class WalkPreparer(TransformerMixin, BaseEstimator):
         See `prepare`.
     symmetrize : bool, default False
         See `prepare`.
-    frequency_range : tuple of float, default (0.3, 2.5)
+    frequency_range : tuple of float, default None
         See `prepare`, in hertz.
 
     Examples
@@ -73,7 +72,7 @@ class WalkPreparer(TransformerMixin, BaseEstimator):
         normalize_size: bool = False,
         cadence: str = "recorded",
         symmetrize: bool = False,
-        frequency_range: tuple[float, float] = FREQUENCY_RANGE,
+        frequency_range: tuple[float, float] | None = None,
     ) -> None:
         self.max_gap = max_gap
         self.cutoff = cutoff

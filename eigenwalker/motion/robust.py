@@ -16,7 +16,7 @@ _AXES = 3
 
 def fit_harmonics_robust(
     channels: NDArray[np.floating], frame_rate: float, frequency: float, n_harmonics: int
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+) -> tuple[NDArray[np.floating], NDArray[np.float64]]:
     r"""Return coefficients of a harmonic series in which outlying frames of a marker count little or nothing.
 
     Iteratively reweighted least squares with Tukey's biweight (Beaton & Tukey 1974, Technometrics 16, 147-185). With
@@ -65,20 +65,20 @@ def fit_harmonics_robust(
     if channels.shape[1] % _AXES:
         raise ValueError(f"expected three channels a marker, got {channels.shape[1]} channels")
     values = np.asarray(channels, dtype=np.float64)
-    coefficients = fit_harmonics(values, frame_rate, frequency, n_harmonics)
+    coefficients: NDArray[np.floating] = fit_harmonics(values, frame_rate, frequency, n_harmonics)
     angles = 2 * np.pi * frequency / frame_rate * np.outer(np.arange(len(values)), np.arange(1, n_harmonics + 1))
     waves = np.stack((np.sin(angles), np.cos(angles)), axis=2).reshape(len(values), -1)  # (n_frames, 2 K)
     basis = np.column_stack((np.ones(len(values)), waves))
-    weights = np.ones((len(values), values.shape[1] // _AXES))
+    products = (basis[:, :, np.newaxis] * basis[:, np.newaxis]).reshape(len(values), -1)  # (n_frames, (2 K + 1)^2)
     for _ in range(_MAX_ROUNDS):
         weights = _weights(values - basis @ coefficients)
-        before, coefficients = coefficients, _fit_weighted(values, basis, weights)
+        before, coefficients = coefficients, _fit_weighted(values, basis, products, weights)
         if np.abs(coefficients - before).max() <= _PRECISION * np.abs(coefficients).max():
             break
     return coefficients, weights
 
 
-def _weights(residual: NDArray[np.float64]) -> NDArray[np.float64]:
+def _weights(residual: NDArray[np.floating]) -> NDArray[np.float64]:
     """Return Tukey's biweight of each marker in each frame, shape (n_frames, n_markers)."""
     distances = np.linalg.norm(residual.reshape(len(residual), -1, _AXES), axis=2)  # (n_frames, n_markers)
     spread = np.median(distances, axis=0) / _MEDIAN_LENGTH
@@ -87,11 +87,15 @@ def _weights(residual: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _fit_weighted(
-    values: NDArray[np.float64], basis: NDArray[np.float64], weights: NDArray[np.float64]
-) -> NDArray[np.float64]:
+    values: NDArray[np.float64],
+    basis: NDArray[np.float64],
+    products: NDArray[np.float64],
+    weights: NDArray[np.float64],
+) -> NDArray[np.floating]:
     """Return the weighted least-squares coefficients of each marker, shape (2 K + 1, n_channels)."""
-    gram = np.einsum("tf,tm,tg->mfg", basis, weights, basis, optimize=True)
-    markers = values.reshape(len(values), -1, _AXES)  # (n_frames, n_markers, 3)
-    right = np.einsum("tf,tm,tma->mfa", basis, weights, markers, optimize=True)
-    solved = np.linalg.solve(gram, right)  # (n_markers, 2 K + 1, 3)
-    return solved.transpose(1, 0, 2).reshape(basis.shape[1], -1)
+    n_functions, n_markers = basis.shape[1], weights.shape[1]
+    gram = (weights.T @ products).reshape(n_markers, n_functions, n_functions)
+    weighted = values * np.repeat(weights, _AXES, axis=1)
+    right = (basis.T @ weighted).reshape(n_functions, n_markers, _AXES)  # from (2 K + 1, n_channels)
+    solved = np.linalg.solve(gram, right.transpose(1, 0, 2))  # (n_markers, 2 K + 1, 3)
+    return solved.transpose(1, 0, 2).reshape(n_functions, -1)

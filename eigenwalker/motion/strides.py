@@ -2,7 +2,6 @@
 
 from collections.abc import Hashable, Iterable, Iterator, Sequence
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -11,8 +10,8 @@ from scipy.interpolate import make_interp_spline
 
 from eigenwalker._collect import collect, report_refusals
 from eigenwalker._validation import WalkError, check_finite, check_walks
-from eigenwalker.motion.fourier import FREQUENCY_RANGE, fit_harmonics, reference_phase
-from eigenwalker.motion.gait import SIDES, heel_strikes, toe_offs
+from eigenwalker.motion.fourier import fit_harmonics, reference_phase
+from eigenwalker.motion.gait import SIDES, detect_events, heel_strikes, toe_offs
 from eigenwalker.motion.passes import cut
 from eigenwalker.motion.phase import phase_weights, stride_frequency
 from eigenwalker.motion.symmetry import one_stride_at_least
@@ -41,7 +40,8 @@ def cut_to_strides(walk: Walk) -> Walk:
     -------
     Walk
         With `frequency` = number of strides / time between first and last event. Its first and last frame are the
-        nearest ones outside of these, so that whole strides are in it.
+        nearest ones outside of these, so that whole strides are in it. Detected events stay in it with those that were
+        known: in what is cut the strikes at its ends could not be detected again.
 
     Raises
     ------
@@ -58,7 +58,7 @@ def cut_to_strides(walk: Walk) -> Walk:
         )
     first = max(0, int(np.floor(times[0] * walk.frame_rate + _ROUNDING)))
     last = min(walk.n_frames - 1, int(np.ceil(times[-1] * walk.frame_rate - _ROUNDING)))
-    return replace(cut(walk, slice(first, last + 1)), frequency=float(len(strides) / strides.sum()))
+    return replace(cut(detect_events(walk), slice(first, last + 1)), frequency=float(len(strides) / strides.sum()))
 
 
 def _event_times(walk: Walk) -> NDArray[np.float64]:
@@ -89,7 +89,6 @@ def pool_walks(
     walks: Sequence[Walk],
     groups: Iterable[Hashable],
     *,
-    frequency_range: tuple[float, float] = FREQUENCY_RANGE,
     on_error: str = "raise",
 ) -> list[Walk]:
     """Return one walk a person: the whole strides of all that person's walks, one after the other.
@@ -105,8 +104,6 @@ def pool_walks(
         Prepared, with one marker set.
     groups : iterable
         Which person each walk is of, in the same order.
-    frequency_range : tuple of float, default (0.3, 2.5)
-        Where the stride frequency of walks that do not know theirs is looked for, in hertz.
     on_error : {"raise", "skip"}, default "raise"
         Whether walks that cannot be used raise one error that lists them all, or are left out with one warning that
         lists them; persons of whom no walk is left are then left out too.
@@ -145,7 +142,7 @@ def pool_walks(
     if pd.Series(groups, dtype=object).isna().any():
         raise ValueError("groups must name the person of each walk, got a missing one; leave its walk out")
     names = [walk.name or f"walk {position}" for position, walk in enumerate(walks)]
-    found, refusals = collect(partial(_check_stride, frequency_range=frequency_range), walks, names)
+    found, refusals = collect(_check_stride, walks, names)
     report_refusals(refusals, len(walks), on_error=on_error, what="walks")
     usable = [(walk, one, group) for walk, one, group in zip(walks, found, groups, strict=True) if one is not None]
     return [
@@ -154,10 +151,10 @@ def pool_walks(
     ]
 
 
-def _check_stride(walk: Walk, *, frequency_range: tuple[float, float]) -> float:
+def _check_stride(walk: Walk) -> float:
     """Return the stride frequency of a walk without gaps that has a whole stride."""
     check_finite(walk.channels, walk.channel_names, walk=walk.name)
-    return stride_frequency(walk, frequency_range=frequency_range)
+    return stride_frequency(walk)
 
 
 def _pool(walks: Sequence[tuple[Walk, float]], name: str) -> Walk:

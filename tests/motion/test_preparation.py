@@ -322,3 +322,23 @@ def test_wrong_choices_of_new_steps_are_refused():
 @pytest.mark.parametrize("check", contract.CHECKS, ids=lambda check: check.__name__)
 def test_contract(check):
     check(WalkPreparer(), [_overground(seed)[0] for seed in range(3)])
+
+
+def test_frames_without_markers_at_the_ends_are_left_out_with_a_warning():
+    moving, _ = _overground(n_cycles=8)
+    positions = moving.positions.copy()
+    positions[:20, 3] = np.nan
+    positions[-7:] = np.nan
+    with pytest.warns(UserWarning, match=rf"kept frames 20 to {moving.n_frames - 8} of .* left the other 27 out"):
+        prepared = prepare(replace(moving, positions=positions), clip="whole")
+    assert prepared.n_frames == moving.n_frames - 27
+    assert_allclose(_features(prepared), _features(prepare(moving)), atol=1e-6)
+
+
+def test_a_range_of_frequencies_holds_on():
+    moving, _ = _overground()
+    assert np.isnan(prepare(moving).frequency)
+    kept = prepare(moving, frequency_range=(0.6, 1.3))
+    assert kept.frequency == stride_frequency(prepare(moving))
+    with pytest.raises(WalkError, match=r"periodic part between 1.2 and 1.3 Hz"):
+        prepare(moving, frequency_range=(1.2, 1.3))
