@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from eigenwalker._validation import WalkError, check_frame_rate, check_names
+from eigenwalker.io._events import read_events, write_events
 from eigenwalker.io._markers import check_different, check_markers, check_words, make_walk
 from eigenwalker.io._text import (
     Row,
@@ -69,8 +70,9 @@ def read_csv(
     -------
     Walk
         In metres, x forward, y left, z up. The markers are in the order of their first columns; if they are the 15
-        of `TROJE15` and no others, in its order and with `TROJE15` as marker set. A table has no place for speed,
-        size and events: they are unknown, and NPZ keeps all.
+        of `TROJE15` and no others, in its order and with `TROJE15` as marker set. Events come from
+        ``name.csv.events.json`` beside the file, if there is one. A table has no place for speed, size and frequency:
+        they are unknown, and NPZ keeps all.
 
     Raises
     ------
@@ -111,9 +113,11 @@ def read_csv(
         table = number_table(rows[1:], len(rows[0].words), columns=flat)
         rate = _frame_rate(rows[1:], time, frame_rate)
     with np.errstate(over="ignore"):
-        positions = scale * table.reshape(len(table), -1, 3)  # (n_frames, 3 n_markers) -> (n_frames, n_markers, 3)
+        recorded = scale * table.reshape(len(table), -1, 3)  # (n_frames, 3 n_markers) -> (n_frames, n_markers, 3)
     title = path.stem if name is None else name
-    return make_walk(to_package_axes(positions, up), rate, list(columns), path=path, name=title, unit=unit)
+    events = read_events(path)
+    positions = to_package_axes(recorded, up)
+    return make_walk(positions, rate, list(columns), path=path, name=title, unit=unit, events=events)
 
 
 def _read_header(
@@ -186,7 +190,8 @@ def write_csv(walk: Walk | JointWalk, path: str | PathLike[str]) -> None:
     Parameters
     ----------
     walk : Walk
-        What to write. Gaps become empty fields. Its speed, size and events do not fit into a table; NPZ keeps all.
+        What to write. Gaps become empty fields. Its events go into ``name.csv.events.json`` beside the file, if it has
+        any. Its speed, size and frequency do not fit into a table; NPZ keeps all.
     path : str or path
         Where to. Names that end in ``.tsv`` get tabs, others commas.
 
@@ -209,3 +214,4 @@ def write_csv(walk: Walk | JointWalk, path: str | PathLike[str]) -> None:
     csv.writer(header, delimiter=separator, lineterminator="").writerow([_TIME, *walk.channel_names])
     rows = zip(time_words(walk.n_frames, walk.frame_rate), walk.channels.tolist(), strict=True)
     write_lines(path, [header.getvalue(), *(time + separator + join_numbers(row, separator) for time, row in rows)])
+    write_events(Path(path), walk.events)

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from eigenwalker._validation import WalkError, check_frame_rate
+from eigenwalker.io._events import read_events, write_events
 from eigenwalker.io._markers import check_different, check_markers, check_words, make_walk
 from eigenwalker.io._text import (
     CUT,
@@ -69,7 +70,8 @@ def read_trc(
     -------
     Walk
         In metres, x forward, y left, z up. Empty fields and ``nan`` are gaps. The markers are those of the file, in
-        its order, but the 15 of `TROJE15`, and no others, come in the order of `TROJE15`.
+        its order, but the 15 of `TROJE15`, and no others, come in the order of `TROJE15`. Events come from
+        ``name.trc.events.json`` beside the file, if there is one.
 
     Raises
     ------
@@ -92,9 +94,11 @@ def read_trc(
         table = number_table(frames, 2 + 3 * len(names))
         rate = _frame_rate(frames, header) if frame_rate is None else check_frame_rate(frame_rate)
     with np.errstate(over="ignore"):
-        positions = scale * table[:, 2:].reshape(len(table), -1, 3)  # (n_frames, 3 n_markers) -> (.., n_markers, 3)
+        recorded = scale * table[:, 2:].reshape(len(table), -1, 3)  # (n_frames, 3 n_markers) -> (.., n_markers, 3)
     title = path.stem if name is None else name
-    return make_walk(from_opensim_axes(positions, up), rate, names, path=path, name=title, unit=unit)
+    events = read_events(path)
+    positions = from_opensim_axes(recorded, up)
+    return make_walk(positions, rate, names, path=path, name=title, unit=unit, events=events)
 
 
 def _read_header(rows: Sequence[Row]) -> dict[str, tuple[str, int]]:
@@ -170,7 +174,8 @@ def write_trc(walk: Walk | JointWalk, path: str | PathLike[str], *, unit: str | 
     Parameters
     ----------
     walk : Walk
-        What to write. Gaps become empty fields. Its speed, size and events do not fit into the file.
+        What to write. Gaps become empty fields. Its events go into ``name.trc.events.json`` beside the file, if it has
+        any. Its speed, size and frequency do not fit into the file.
     path : str or path
         Where to.
     unit : {"mm", "m", "cm", "in"}, default "mm"
@@ -206,3 +211,4 @@ def write_trc(walk: Walk | JointWalk, path: str | PathLike[str], *, unit: str | 
     times = (np.arange(walk.n_frames) / walk.frame_rate).tolist()
     rows = zip(times, table.tolist(), strict=True)
     write_lines(path, header + [f"{frame}\t" + join_numbers((t, *row), "\t") for frame, (t, row) in enumerate(rows, 1)])
+    write_events(Path(path), walk.events)

@@ -1,6 +1,7 @@
 """Reading by suffix, and many files at once."""
 
 import warnings
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from eigenwalker._validation import WalkError
 from eigenwalker.io import read_bvh, read_walk, read_walks, write_walk
 from eigenwalker.io.formats import READERS, WRITERS, find_ending
-from eigenwalker.motion import TROJE15, JointWalk, Walk
+from eigenwalker.motion import TROJE15, Event, JointWalk, Walk
 from tests.synthetic import make_walk
 
 TEXT = """HIERARCHY
@@ -143,6 +144,42 @@ def test_every_format_of_markers_keeps_a_walk(tmp_path, ending):
     assert (back.name, back.frame_rate) == ("anna", 120)
     # BML holds the two harmonics that this walk is made of; its frequency is found to some 1e-12.
     assert_allclose(back.positions, walk.positions, rtol=1e-12, atol=1e-9 if ending == ".mat" else 0)
+
+
+@pytest.mark.parametrize("ending", [".c3d", ".csv", ".npz", ".trc", ".tsv", "_motion.tsv"])
+def test_gaps_and_events_are_kept(tmp_path, ending):
+    walk, _ = make_walk(np.random.default_rng(0), name="anna", n_cycles=2)
+    positions = walk.positions.copy()
+    positions[10:20, 3] = np.nan
+    events = (Event(0.25, "heel_strike", "left"), Event(0.5, "toe_off", "right"), Event(1.0, "stumble"))
+    path = tmp_path / f"anna{ending}"
+    write_walk(replace(walk, positions=positions, events=events), path)
+    back = read_walk(path)
+    assert_array_equal(np.isnan(back.positions), np.isnan(positions))
+    assert_allclose(back.positions, positions, rtol=1e-6)
+    assert [event[1:] for event in back.events] == [event[1:] for event in events]
+    assert_allclose([event.time for event in back.events], [event.time for event in events], rtol=1e-6)
+    write_walk(walk, path)
+    assert read_walk(path).events == ()
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("{", "expected JSON, but"),
+        ('{"time": 1}', "expected a list of events, got dict"),
+        ('[{"time": 1, "kind": "toe_off", "side": ""}, 5]', "event 2: expected an object with a finite time"),
+        ('[{"time": NaN, "kind": "toe_off", "side": ""}]', "event 1: expected an object with a finite time"),
+        ('[{"time": 1, "kind": 3, "side": ""}]', "event 1: expected"),
+        ("[" * 5000, "expected JSON, but"),
+        (f'[{{"time": {10**400}, "kind": "toe_off", "side": ""}}]', "event 1: expected"),
+    ],
+)
+def test_wrong_events_beside_a_file_are_refused(tmp_path, content, message):
+    write_walk(make_walk(np.random.default_rng(0), n_cycles=1)[0], tmp_path / "anna.csv")
+    (tmp_path / "anna.csv.events.json").write_text(content)
+    with pytest.raises(WalkError, match=rf"anna.csv.events.json: {message}"):
+        read_walk(tmp_path / "anna.csv")
 
 
 @pytest.mark.parametrize("ending", [ending for ending in MARKER_ENDINGS if ending != ".npz"])
