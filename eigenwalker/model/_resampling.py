@@ -1,0 +1,149 @@
+"""The whole model on persons drawn again: those drawn twice count twice."""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigenwalker.model._folds import leave_out_persons
+from eigenwalker.model._principal import inverse_squares, principal_axes
+from eigenwalker.model._sample import Reduction, Sample
+from eigenwalker.model._scores import mean_by_person
+from eigenwalker.model.scaling import BlockScaler
+
+__all__ = ["WeightedFit", "feature_axes", "fit_weighted", "fit_without_each", "predict_weighted", "varies"]
+
+
+class WeightedFit(NamedTuple):
+    """Scales and Eigenwalkers of some persons, and their trait axes.
+
+    Parameters
+    ----------
+    mean, scales : ndarray of shape (n_features,)
+        Of the features.
+    axes : ndarray of shape (n_components, n_features)
+        Eigenwalkers, of scaled features.
+    variances : ndarray of shape (n_components,)
+        Of the scores.
+    filters : ndarray of shape (n_traits, n_components)
+        C of Troje 2002, Eq. 5.
+    intercept : ndarray of shape (n_traits,)
+        Predicted label of the average walker.
+    spread : ndarray of shape (n_traits,)
+        SD of the displacement over persons.
+    """
+
+    mean: NDArray[np.float64]
+    scales: NDArray[np.float64]
+    axes: NDArray[np.float64]
+    variances: NDArray[np.float64]
+    filters: NDArray[np.float64]
+    intercept: NDArray[np.float64]
+    spread: NDArray[np.float64]
+
+
+def fit_weighted(
+    sample: Sample, codes: NDArray[np.float64], counts: NDArray[np.intp], reduction: Reduction
+) -> WeightedFit:
+    """Fit scaler, PCA and trait axes to persons of whom each counts `counts` times, as if they were as many persons."""
+    walks = np.flatnonzero(counts[sample.persons])
+    weights = counts[sample.persons[walks]].astype(np.float64)
+    vectors, total = sample.vectors[walks], weights.sum()
+    mean = weights @ vectors / total
+    centered = vectors - mean
+    scales = _learn_scales(sample, walks, counts, reduction, weights @ centered**2 / total)
+    scaled, roots = centered / scales, np.sqrt(weights)[:, np.newaxis]
+    squares, axes = principal_axes(scaled * roots, min(reduction.n_components, int(total) - 1))
+    scores = scaled @ axes.T
+    intercept, filters = _fit_traits(scores, codes[walks], weights, squares)
+    spread = _spread(scores @ filters.T, sample.persons[walks], counts)
+    return WeightedFit(mean, scales, axes, squares / (total - 1), filters, intercept, spread)
+
+
+def _learn_scales(
+    sample: Sample,
+    walks: NDArray[np.intp],
+    counts: NDArray[np.intp],
+    reduction: Reduction,
+    variances: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    if reduction.scaling is None:
+        return np.ones(sample.vectors.shape[1])
+    scaler = BlockScaler(reduction.n_scalars, unit=reduction.scaling, tolerance=reduction.tolerance)
+    if reduction.scaling != "noise":  # the scaler's own rule, for variances that are weighted
+        return scaler._scales(sample.vectors[walks], np.sqrt(variances))
+    repeated = np.repeat(walks, counts[sample.persons[walks]])
+    # Copies of a person are as many persons: copy c of person q has the number c n_persons + q.
+    copies = np.concatenate([np.arange(count) for count in counts[sample.persons[walks]]])
+    return scaler.fit(sample.vectors[repeated], groups=copies * len(counts) + sample.persons[repeated]).scale_
+
+
+def _fit_traits(
+    scores: NDArray[np.float64], codes: NDArray[np.float64], weights: NDArray[np.float64], squares: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return intercept, shape (n_traits,), and filters, shape (n_traits, n_components), each from labelled walks."""
+    known = ~np.isnan(codes)
+    if known.all():  # scores are uncorrelated
+        intercept = weights @ codes / weights.sum()
+        moments = scores.T @ (weights[:, np.newaxis] * (codes - intercept))
+        return intercept, (moments * inverse_squares(squares, int(weights.sum()))[:, np.newaxis]).T
+    design, roots = np.column_stack((np.ones(len(scores)), scores)), np.sqrt(weights)
+    solutions = np.stack(
+        [
+            np.linalg.lstsq(design[k] * roots[k, np.newaxis], column[k] * roots[k])[0]
+            for column, k in zip(codes.T, known.T, strict=True)
+        ]
+    )
+    return solutions[:, 0], solutions[:, 1:]
+
+
+def _spread(
+    displacements: NDArray[np.float64], persons: NDArray[np.intp], counts: NDArray[np.intp]
+) -> NDArray[np.float64]:
+    """Return the SD over persons, shape (n_traits,), of whom each counts as often as drawn."""
+    drawn, numbers = np.unique(persons, return_inverse=True)
+    means, weights = mean_by_person(displacements, numbers), counts[drawn].astype(np.float64)
+    centered = means - weights @ means / weights.sum()
+    return np.sqrt(np.asarray(weights @ centered**2 / max(weights.sum() - 1, 1.0), dtype=np.float64))
+
+
+def fit_without_each(sample: Sample, codes: NDArray[np.float64], reduction: Reduction) -> Iterator[WeightedFit]:
+    """Yield the fit without each person in turn, from `leave_out_persons`; the scales are within the axes."""
+    folds = leave_out_persons(sample, reduction)
+    for batch in folds.batches:
+        for fold in batch.folds(folds.coordinates):
+            vectors, n_others = sample.vectors[fold.others], len(fold.others)
+            mean = vectors.mean(axis=0)
+            scores = (folds.coordinates[fold.others] - fold.center) @ fold.axes.T
+            intercept, filters = _fit_traits(scores, codes[fold.others], np.ones(n_others), fold.squares)
+            everybody = np.ones(sample.n_persons, dtype=np.intp)
+            spread = _spread(scores @ filters.T, sample.persons[fold.others], everybody)
+            # What a score of 1 changes in the features: their covariance with it over its variance.
+            axes = scores.T @ (vectors - mean) * inverse_squares(fold.squares, n_others)[:, np.newaxis]
+            variances = fold.squares / (n_others - 1)
+            yield WeightedFit(mean, np.ones(len(mean)), axes, variances, filters, intercept, spread)
+
+
+def predict_weighted(fit: WeightedFit, vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return predicted labels, shape (n_walks, n_traits)."""
+    return fit.intercept + (vectors - fit.mean) / fit.scales @ fit.axes.T @ fit.filters.T
+
+
+def feature_axes(fit: WeightedFit, direction: str) -> NDArray[np.float64]:
+    """Return what alpha = 1, one SD of each trait over persons, changes in each feature, shape (n_traits, n_features).
+
+    The step of scores s with c . s = SD is Cov c / (c . Cov c) SD for "pattern" and c / (c . c) SD for "filter".
+    """
+    steps = fit.filters * fit.variances if direction == "pattern" else fit.filters
+    products = (steps * fit.filters).sum(axis=1)
+    lengths = np.divide(fit.spread, products, out=np.zeros_like(products), where=products > 0)
+    return (steps * lengths[:, np.newaxis]) @ fit.axes * fit.scales
+
+
+def varies(counts: NDArray[np.intp], persons: NDArray[np.intp], codes: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return which rows of counts draw persons with two different labels of every trait."""
+    drawn = counts[:, persons] > 0  # (n_rows, n_walks)
+    lowest = [np.where(drawn & ~np.isnan(column), column, np.inf).min(axis=1) for column in codes.T]
+    highest = [np.where(drawn & ~np.isnan(column), column, -np.inf).max(axis=1) for column in codes.T]
+    return np.logical_and.reduce(np.array(lowest) < np.array(highest), axis=0)
