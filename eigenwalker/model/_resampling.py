@@ -1,7 +1,7 @@
 """The whole model on persons drawn again: those drawn twice count twice."""
 
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +10,7 @@ from eigenwalker.model._folds import leave_out_persons
 from eigenwalker.model._principal import inverse_squares, principal_axes
 from eigenwalker.model._sample import Reduction, Sample
 from eigenwalker.model._scores import mean_by_person
-from eigenwalker.model.scaling import BlockScaler
+from eigenwalker.model.scaling import BlockScaler, feature_scales
 
 __all__ = ["WeightedFit", "feature_axes", "fit_weighted", "fit_without_each", "predict_weighted", "varies"]
 
@@ -70,13 +70,21 @@ def _learn_scales(
 ) -> NDArray[np.float64]:
     if reduction.scaling is None:
         return np.ones(sample.vectors.shape[1])
-    scaler = BlockScaler(reduction.n_scalars, unit=reduction.scaling, tolerance=reduction.tolerance)
-    if reduction.scaling != "noise":  # the scaler's own rule, for variances that are weighted
-        return scaler._scales(sample.vectors[walks], np.sqrt(variances))
+    options: dict[str, Any] = {
+        "n_scalars": reduction.n_scalars,
+        "unit": reduction.scaling,
+        "tolerance": reduction.tolerance,
+    }
+    if reduction.scaling != "noise":
+        return feature_scales(sample.vectors[walks], np.sqrt(variances), **options)
     repeated = np.repeat(walks, counts[sample.persons[walks]])
     # Copies of a person are as many persons: copy c of person q has the number c n_persons + q.
     copies = np.concatenate([np.arange(count) for count in counts[sample.persons[walks]]])
-    return scaler.fit(sample.vectors[repeated], groups=copies * len(counts) + sample.persons[repeated]).scale_
+    return (
+        BlockScaler(**options)
+        .fit(sample.vectors[repeated], groups=copies * len(counts) + sample.persons[repeated])
+        .scale_
+    )
 
 
 def _fit_traits(

@@ -9,7 +9,7 @@ from sklearn.utils.validation import check_array, check_consistent_length, check
 
 from eigenwalker._validation import check_choice
 
-__all__ = ["BlockScaler"]
+__all__ = ["BlockScaler", "feature_scales"]
 
 
 class BlockScaler(OneToOneFeatureMixin, TransformerMixin, BaseEstimator):
@@ -90,26 +90,14 @@ class BlockScaler(OneToOneFeatureMixin, TransformerMixin, BaseEstimator):
                 f"got {vectors.shape[1]} feature(s) in all"
             )
         spreads = vectors.std(axis=0)
-        self.scale_ = self._scales(vectors, spreads if self.unit != "noise" else _spreads_within(vectors, groups))
+        counted = _spreads_within(vectors, groups) if self.unit == "noise" else spreads
+        self.scale_ = feature_scales(
+            vectors, counted, n_scalars=self.n_scalars, unit=self.unit, tolerance=self.tolerance
+        )
         variances = (spreads / self.scale_) ** 2
         blocks = np.concatenate(([variances[:n_posture].sum()], variances[n_posture:]))
         self.block_shares_ = blocks / blocks.sum() if blocks.sum() > 0 else np.zeros_like(blocks)
         return self
-
-    def _scales(self, vectors: NDArray[np.float64], spreads: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return what each feature is divided by, given the SDs that count."""
-        n_posture = vectors.shape[1] - self.n_scalars
-        reference = np.sqrt(np.mean(spreads[:n_posture] ** 2))
-        scale = np.ones_like(spreads)
-        if self.unit != "blocks":
-            vary = spreads[:n_posture] > self.tolerance * reference
-            scale[:n_posture][vary] = spreads[:n_posture][vary]
-            reference = 1.0
-        scalars = spreads[n_posture:]
-        magnitudes = np.abs(vectors[:, n_posture:]).max(axis=0, initial=0.0)
-        varies = (scalars > 1e-12 * magnitudes) & (reference > 0)
-        scale[n_posture:][varies] = scalars[varies] / reference
-        return scale
 
     def transform(self, X: ArrayLike) -> NDArray[np.float64]:
         """Return the scaled features.
@@ -143,6 +131,34 @@ class BlockScaler(OneToOneFeatureMixin, TransformerMixin, BaseEstimator):
         if scaled.shape[1] != self.n_features_in_:
             raise ValueError(f"expected {self.n_features_in_} features, got {scaled.shape[1]}")
         return scaled * self.scale_
+
+
+def feature_scales(
+    vectors: NDArray[np.float64], spreads: NDArray[np.float64], *, n_scalars: int, unit: str, tolerance: float
+) -> NDArray[np.float64]:
+    """Return what `BlockScaler` divides each feature by, shape (n_features,).
+
+    Parameters
+    ----------
+    vectors : ndarray of shape (n_walks, n_features)
+        Their size tells which spreads are rounding.
+    spreads : ndarray of shape (n_features,)
+        The SD of each feature that counts: over all walks, weighted, or within persons.
+    n_scalars, unit, tolerance : int, str, float
+        Of `BlockScaler`.
+    """
+    n_posture = vectors.shape[1] - n_scalars
+    reference = np.sqrt(np.mean(spreads[:n_posture] ** 2))
+    scale = np.ones_like(spreads)
+    if unit != "blocks":
+        vary = spreads[:n_posture] > tolerance * reference
+        scale[:n_posture][vary] = spreads[:n_posture][vary]
+        reference = 1.0
+    scalars = spreads[n_posture:]
+    magnitudes = np.abs(vectors[:, n_posture:]).max(axis=0, initial=0.0)
+    varies = (scalars > 1e-12 * magnitudes) & (reference > 0)
+    scale[n_posture:][varies] = scalars[varies] / reference
+    return scale
 
 
 def _spreads_within(vectors: NDArray[np.float64], groups: ArrayLike | None) -> NDArray[np.float64]:
