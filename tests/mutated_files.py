@@ -26,6 +26,7 @@ from eigenwalker.io import read_amc, read_bml, read_walk, write_bvh, write_walk
 from eigenwalker.motion import Event, MarkerSet, Walk
 from tests.acclaim import AMC, ASF
 from tests.binary_mutations import mutate_c3d, mutate_mat, mutate_npz
+from tests.bvh_files import BVH
 from tests.c3d_files import POINTS, Maker
 from tests.marker_walks import body
 from tests.mutations import grow, mutate_json, mutate_text, splice
@@ -81,7 +82,7 @@ def make_seeds() -> dict[str, list[Seed]]:
         write_walk(joints, folder / "joints.npz")
         write_bvh(joints, folder / "walk.bvh")
         seeds["npz"].append(_seed(folder, ["joints.npz"]))
-        seeds["bvh"] = [_seed(folder, ["walk.bvh"]), Seed({"walk.bvh": _BVH}, read_walk)]
+        seeds["bvh"] = [_seed(folder, ["walk.bvh"]), Seed({"walk.bvh": BVH.encode()}, read_walk)]
         seeds["bids"] = [_bids(folder, known), _other_bids(folder, small)]
         seeds["bml"] = _bml(folder)
     seeds["amc"] = [Seed({"walk.amc": AMC.encode(), "walk.asf": ASF.encode()}, read_walk)]
@@ -220,30 +221,6 @@ def _acclaim(folder: Path):
     (folder / "walk.asf").write_text(ASF)
     (folder / "walk.amc").write_text(AMC)
     return read_amc(folder / "walk.amc")
-
-
-_BVH = b"""HIERARCHY
-ROOT Hips
-{
-  OFFSET 0 0 0
-  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
-  JOINT Knee
-  {
-    OFFSET 0 -40 0
-    CHANNELS 3 Zrotation Xrotation Yrotation
-    End Site
-    {
-      OFFSET 0 -45 0
-    }
-  }
-}
-MOTION
-Frames: 3
-Frame Time: 0.01
-0 90 0 1 2 3 4 5 6
-0 90 1 1 2 3 4 5 6
-0 90 2 1 2 3 4 5 6
-"""
 
 
 def _bvh_head(path: Path) -> Seed:

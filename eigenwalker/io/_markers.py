@@ -13,7 +13,7 @@ from eigenwalker._validation import WalkError
 from eigenwalker.io._text import listed
 from eigenwalker.motion.body import check_leg_length
 from eigenwalker.motion.skeleton import TROJE15, MarkerSet
-from eigenwalker.motion.walk import Walk
+from eigenwalker.motion.walk import Walk, check_marker_walk
 
 __all__ = ["check_different", "check_markers", "check_words", "make_walk", "marker_set_of"]
 
@@ -98,8 +98,7 @@ def check_markers(walk: object) -> Walk:
     WalkError
         If it has no markers or infinite positions.
     """
-    if not isinstance(walk, Walk):
-        raise TypeError(f"expected a Walk, got {type(walk).__name__}; turn joints into markers with to_markers()")
+    walk = check_marker_walk(walk)
     if not walk.marker_set.names or np.isinf(walk.positions).any():
         wrong = "infinite positions" if walk.marker_set.names else "no markers"
         raise WalkError(f"walk {walk.name!r}: expected markers with finite positions or gaps (NaN), got {wrong}")

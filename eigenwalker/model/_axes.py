@@ -10,6 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from eigenwalker.model._persons import mean_by_person
+
 __all__ = ["ALPHA_UNITS", "DIRECTIONS", "Axes", "displacement", "fit_axes", "move", "unit_lengths"]
 
 ALPHA_UNITS = ("sd", "label", "coefficient")
@@ -63,9 +65,7 @@ def fit_axes(scores: NDArray[np.float64], labels: NDArray[np.float64], groups: N
         intercept[trait], filters[trait] = solution[0], solution[1:]
     displacements = centered @ filters.T
     if groups is not None:
-        counts = np.bincount(groups)
-        sums = np.stack([np.bincount(groups, weights=column) for column in displacements.T], axis=1)
-        displacements = sums / counts[:, np.newaxis]
+        displacements = mean_by_person(displacements, groups)
     n_free = max(len(scores) - 1, 1)
     spread = displacements.std(axis=0, ddof=1) if len(displacements) > 1 else np.zeros(labels.shape[1])
     return Axes(filters, intercept, center, centered.T @ centered / n_free, spread)

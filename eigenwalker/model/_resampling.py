@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigenwalker.model._folds import leave_out_persons
+from eigenwalker.model._persons import mean_by_person
 from eigenwalker.model._principal import inverse_squares, principal_axes
 from eigenwalker.model._sample import Reduction, Sample
-from eigenwalker.model._scores import mean_by_person
 from eigenwalker.model.scaling import BlockScaler, feature_scales
 
 __all__ = ["WeightedFit", "feature_axes", "fit_weighted", "fit_without_each", "predict_weighted", "varies"]

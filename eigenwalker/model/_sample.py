@@ -6,16 +6,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from sklearn.base import TransformerMixin, clone
-from sklearn.utils.validation import check_array, check_consistent_length
+from sklearn.utils.validation import check_array
 
 from eigenwalker._validation import check_choice
 from eigenwalker.model._labels import encode, learn_coding, tabulate
+from eigenwalker.model._persons import number_persons
 
 __all__ = [
     "Labels",
     "Reduction",
     "Sample",
-    "number_persons",
     "take_components",
     "take_labels",
     "take_reduction",
@@ -90,14 +90,6 @@ def take_sample(
     if sample.n_persons < n_persons:
         raise ValueError(f"expected walks of at least {n_persons} persons, got {sample.n_persons}")
     return sample
-
-
-def number_persons(groups: ArrayLike | None, n_walks: int) -> NDArray[np.intp]:
-    """Return the number of the person each walk is of; without groups each walk is a person."""
-    if groups is None:
-        return np.arange(n_walks)
-    check_consistent_length(np.empty(n_walks), groups)
-    return np.unique(np.asarray(groups), return_inverse=True)[1]
 
 
 def take_labels(y: object, n_walks: int) -> Labels:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import rankdata
 
-__all__ = ["SCORES", "TWO_VALUED_SCORES", "mean_by_person", "score_columns"]
+__all__ = ["SCORES", "TWO_VALUED_SCORES", "score_columns"]
 
 Columns = NDArray[np.float64]
 
@@ -73,10 +73,3 @@ SCORES: dict[str, Callable[[Columns, Columns], Columns]] = {
     "r": _correlations,
 }
 TWO_VALUED_SCORES = ("accuracy", "balanced_accuracy", "auc")
-
-
-def mean_by_person(values: Columns, persons: NDArray[np.intp]) -> Columns:
-    """Return the mean over each person's walks, shape (n_persons, n_columns)."""
-    sums = np.zeros((int(persons.max()) + 1, values.shape[1]))
-    np.add.at(sums, persons, values)
-    return sums / np.bincount(persons)[:, np.newaxis]

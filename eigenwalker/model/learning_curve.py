@@ -9,9 +9,10 @@ from sklearn.base import TransformerMixin
 from sklearn.utils import check_random_state
 
 from eigenwalker._validation import check_choice
+from eigenwalker.model._persons import mean_by_person, number_persons
 from eigenwalker.model._resampling import fit_weighted, predict_weighted, varies
 from eigenwalker.model._sample import Reduction, Sample, take_labels, take_reduction, take_sample
-from eigenwalker.model._scores import SCORES, TWO_VALUED_SCORES, mean_by_person, score_columns
+from eigenwalker.model._scores import SCORES, TWO_VALUED_SCORES, score_columns
 
 __all__ = ["LearningCurve", "learning_curve_walkers"]
 
@@ -166,7 +167,7 @@ def _score_apart(
     for guess, truth in zip(predicted.T, codes[walks].T, strict=True):
         known = ~np.isnan(truth)
         pair = np.column_stack((guess, truth))[known]
-        persons = np.unique(sample.persons[walks][known], return_inverse=True)[1]
+        persons = number_persons(sample.persons[walks][known], int(known.sum()))
         means = mean_by_person(pair, persons)
         if np.array_equal(means[persons, 1], pair[:, 1]):  # each has one label
             pair = means

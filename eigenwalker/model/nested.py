@@ -8,7 +8,8 @@ from numpy.typing import ArrayLike, NDArray
 from sklearn.base import TransformerMixin
 
 from eigenwalker._validation import check_choice
-from eigenwalker.model._sample import Reduction, Sample, number_persons, take_components, take_labels, take_sample
+from eigenwalker.model._persons import number_persons
+from eigenwalker.model._sample import Reduction, Sample, take_components, take_labels, take_sample
 from eigenwalker.model.leave_one_out import predict_by_others
 
 __all__ = ["NestedResult", "nested_loo"]

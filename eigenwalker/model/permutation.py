@@ -9,14 +9,14 @@ from sklearn.base import TransformerMixin
 from sklearn.utils import check_random_state
 
 from eigenwalker._validation import check_choice
+from eigenwalker.model._persons import mean_by_person, number_persons
 from eigenwalker.model._sample import (
     Labels,
-    number_persons,
     take_labels,
     take_reduction,
     take_sample,
 )
-from eigenwalker.model._scores import SCORES, TWO_VALUED_SCORES, mean_by_person, score_columns
+from eigenwalker.model._scores import SCORES, TWO_VALUED_SCORES, score_columns
 from eigenwalker.model.leave_one_out import matrix_of_others
 
 __all__ = ["PermutationResult", "permutation_test"]

@@ -5,9 +5,10 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from sklearn.base import BaseEstimator, OneToOneFeatureMixin, TransformerMixin
-from sklearn.utils.validation import check_array, check_consistent_length, check_is_fitted, validate_data
+from sklearn.utils.validation import check_array, check_is_fitted, validate_data
 
 from eigenwalker._validation import check_choice
+from eigenwalker.model._persons import mean_by_person, number_persons
 
 __all__ = ["BlockScaler", "feature_scales"]
 
@@ -165,14 +166,13 @@ def _spreads_within(vectors: NDArray[np.float64], groups: ArrayLike | None) -> N
     """Return the SD of each feature between the walks of one person, pooled over persons."""
     if groups is None:
         raise ValueError("unit='noise' needs to know which person each walk is of; pass groups, one entry a walk")
-    check_consistent_length(vectors, groups)
-    persons = np.unique(np.asarray(groups), return_inverse=True)[1]
-    counts = np.bincount(persons)
-    n_free = len(vectors) - len(counts)
+    persons = number_persons(groups, len(vectors))
+    n_persons = int(persons.max()) + 1
+    n_free = len(vectors) - n_persons
     if n_free < 1:
         raise ValueError(
-            f"unit='noise' needs persons with two walks or more, got {len(counts)} persons with one each; "
+            f"unit='noise' needs persons with two walks or more, got {n_persons} persons with one each; "
             "use unit='features'"
         )
-    means = np.stack([np.bincount(persons, weights=column) for column in vectors.T], axis=1) / counts[:, np.newaxis]
-    return np.sqrt(((vectors - means[persons]) ** 2).sum(axis=0) / n_free)
+    about_person = vectors - mean_by_person(vectors, persons)[persons]
+    return np.sqrt((about_person**2).sum(axis=0) / n_free)

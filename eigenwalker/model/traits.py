@@ -16,6 +16,7 @@ from sklearn.utils.validation import (
 from eigenwalker._validation import check_choice
 from eigenwalker.model._axes import ALPHA_UNITS, DIRECTIONS, Axes, displacement, fit_axes, move, unit_lengths
 from eigenwalker.model._labels import Poles, encode, learn_coding, tabulate
+from eigenwalker.model._persons import number_persons
 
 __all__ = ["TraitRegressor"]
 
@@ -115,7 +116,7 @@ class TraitRegressor(RegressorMixin, TransformerMixin, BaseEstimator):
         table = tabulate(y, self.poles)
         self._codings = learn_coding(table, self.poles)
         labels = encode(table, self._codings)
-        persons = None if groups is None else np.unique(np.asarray(groups), return_inverse=True)[1]
+        persons = None if groups is None else number_persons(groups, len(scores))
         axes = fit_axes(scores, labels, persons)
         self.coef_, self.intercept_, self.mean_, self.covariance_, self.alpha_sd_ = axes
         self.trait_names_ = [coding.name for coding in self._codings]

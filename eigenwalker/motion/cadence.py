@@ -12,7 +12,7 @@ from eigenwalker._validation import WalkError, check_finite
 from eigenwalker.motion.fourier import SEARCH_HARMONICS
 from eigenwalker.motion.heading import check_in_place
 from eigenwalker.motion.phase import phase_weights, stride_frequency
-from eigenwalker.motion.walk import JointWalk, Walk
+from eigenwalker.motion.walk import JointWalk, Walk, check_marker_walk
 
 __all__ = ["StridePhase", "fit_phase", "steady_cadence", "stride_phase"]
 
@@ -208,8 +208,7 @@ def steady_cadence(walk: Walk, *, n_terms: int | None = None) -> Walk:
     >>> bool(walk_quality(steady_cadence(walk)).explained_power >= walk_quality(walk).explained_power)
     True
     """
-    if not isinstance(walk, Walk):
-        raise TypeError(f"expected a Walk, got {type(walk).__name__}; turn joints into markers with to_markers()")
+    check_marker_walk(walk)
     phase, frequency = stride_phase(walk, n_terms=n_terms)
     frames = np.arange(walk.n_frames, dtype=np.float64)
     degree = min(5, walk.n_frames - 1)

@@ -220,6 +220,7 @@ def gait_table(walks: Sequence[Walk]) -> pd.DataFrame:
 
 
 def _measures(walk: Walk) -> dict[str, object]:
+    walk = detect_events(walk)  # once, for all that follows
     strikes = {side: heel_strikes(walk, side) for side in SIDES}
     steps = find_steps(walk)
     stride_times = np.concatenate([np.diff(times) for times in strikes.values()])

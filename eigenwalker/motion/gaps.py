@@ -1,6 +1,5 @@
 """Gaps in marker paths: where they are, and how short ones are filled from what is known around them."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 from itertools import combinations
 from typing import NamedTuple
@@ -10,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from eigenwalker.motion.rigid import fit_rigid
+from eigenwalker.motion.runs import find_runs
 from eigenwalker.motion.walk import Walk
 
 __all__ = ["Gap", "fill_gaps", "find_gaps"]
@@ -78,7 +78,7 @@ def find_gaps(walk: Walk) -> list[Gap]:
     return [
         Gap(name, first, stop - 1, first / walk.frame_rate, (stop - first) / walk.frame_rate)
         for marker, name in enumerate(walk.marker_set.names)
-        for first, stop in _runs(~known[:, marker])
+        for first, stop in find_runs(~known[:, marker])
     ]
 
 
@@ -156,12 +156,6 @@ def _check_markers(walk: object) -> None:
         )
 
 
-def _runs(flags: NDArray[np.bool_]) -> Iterator[tuple[int, int]]:
-    """Yield first and one past the last position of each run of true values."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], flags, [False])).astype(np.int8)))
-    yield from zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
-
-
 def _across_gaps(
     positions: NDArray[np.float64],
     known: NDArray[np.bool_],
@@ -173,7 +167,7 @@ def _across_gaps(
     """Return the path (n_frames, 3) of one marker in the gaps that can be filled, NaN in all other frames."""
     path = np.where(known[:, marker, np.newaxis], positions[:, marker], np.nan)
     filled = _spline(path, known[:, marker], longest)
-    short = [(first, stop) for first, stop in _runs(~known[:, marker]) if stop - first <= longest]
+    short = [(first, stop) for first, stop in find_runs(~known[:, marker]) if stop - first <= longest]
     bodies = _rigid_bodies(positions, known, marker, shared, tolerance) if short else []
     for first, stop in short:
         start = max(first - 1, 0)  # with the known frame on either side
@@ -189,10 +183,10 @@ def _spline(path: NDArray[np.float64], known: NDArray[np.bool_], longest: int) -
     """Return the path (n_frames, 3) where enough frames around a gap support a spline, NaN in all other frames."""
     filled = np.full_like(path, np.nan)
     firm = np.zeros_like(known)
-    for first, stop in _runs(known):
+    for first, stop in find_runs(known):
         firm[first:stop] = stop - first >= _SUPPORT
     frames = np.arange(len(path))
-    for first, stop in _runs(~firm):
+    for first, stop in find_runs(~firm):
         if first > 0 and stop < len(path) and stop - first <= longest:
             near = known & (frames >= first - _REACH) & (frames < stop + _REACH)
             missing = frames[first:stop][~known[first:stop]]

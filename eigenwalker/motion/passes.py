@@ -9,7 +9,8 @@ from scipy.ndimage import median_filter, uniform_filter1d
 
 from eigenwalker._validation import WalkError, check_finite
 from eigenwalker.motion.heading import across_pairs, leftward, leg_difference
-from eigenwalker.motion.walk import Walk
+from eigenwalker.motion.runs import find_runs
+from eigenwalker.motion.walk import Walk, check_marker_walk
 
 __all__ = ["cut", "split_passes"]
 
@@ -59,20 +60,19 @@ def split_passes(walk: Walk, *, turn_rate: float = 0.8, min_duration: float = 2.
     """
     _check(walk)
     turning = _turn_rate(leftward(walk), walk.frame_rate)
-    stretches = _runs((np.abs(turning) < turn_rate) & _is_walking(walk))
-    stretches = [frames for frames in stretches if frames.stop - frames.start >= min_duration * walk.frame_rate]
-    if not stretches:
+    stretches = find_runs((np.abs(turning) < turn_rate) & _is_walking(walk))
+    frames = [slice(*run) for run in stretches if run[1] - run[0] >= min_duration * walk.frame_rate]
+    if not frames:
         raise WalkError(
             f"walk {walk.name!r}: expected at least one pass of {min_duration:g} s without a turn or a stop, got none "
             f"in {walk.duration:.3g} s; lower min_duration, or raise turn_rate={turn_rate:g} radians a second"
         )
-    passes = [cut(walk, frames) for frames in stretches]
+    passes = [cut(walk, stretch) for stretch in frames]
     return [replace(one, name=f"{walk.name}_pass{number}") for number, one in enumerate(passes, 1)]
 
 
 def _check(walk: Walk) -> None:
-    if not isinstance(walk, Walk):
-        raise TypeError(f"expected a Walk, got {type(walk).__name__}; turn joints into markers with to_markers()")
+    check_marker_walk(walk)
     missing = [name for name in _NEEDED if name not in walk.marker_set.names]
     if missing:
         raise WalkError(
@@ -100,12 +100,6 @@ def _is_walking(walk: Walk) -> NDArray[np.bool_]:
     swing = np.sqrt(uniform_filter1d((difference - mean) ** 2, width, axis=0, mode="nearest").sum(axis=1))
     moving = swing[swing > _STILL / walk.size]  # however long a person stood before
     return swing >= _STANDING * (np.quantile(moving, 0.75) if moving.size else np.inf)
-
-
-def _runs(flags: NDArray[np.bool_]) -> list[slice]:
-    """Return the runs of true values."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], flags, [False])).astype(np.int8)))
-    return [slice(int(start), int(stop)) for start, stop in zip(edges[::2], edges[1::2], strict=True)]
 
 
 def cut(walk: Walk, frames: slice) -> Walk:

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigenwalker.motion.fourier import SEARCH_HARMONICS
+from eigenwalker.motion.runs import longest_run
 
-__all__ = ["Path", "fit_path", "longest_run", "n_path_terms", "stance_speed", "steady_stretch", "swing_direction"]
+__all__ = ["Path", "fit_path", "n_path_terms", "stance_speed", "steady_stretch", "swing_direction"]
 
 
 class Path(NamedTuple):
@@ -100,16 +101,6 @@ def steady_stretch(
     median = np.median(speed)
     first, last = longest_run(np.abs(speed - median) <= tolerance * median)
     return slice(first + window // 2, last + window // 2)
-
-
-def longest_run(flags: NDArray[np.bool_]) -> tuple[int, int]:
-    """Return first and one past the last position of the longest run of true values (the first of equals)."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], flags, [False])).astype(np.int8)))
-    if not edges.size:
-        return 0, 0
-    starts, ends = edges[::2], edges[1::2]
-    longest = int(np.argmax(ends - starts))
-    return int(starts[longest]), int(ends[longest])
 
 
 def swing_direction(leg_difference: NDArray[np.floating], leftward: NDArray[np.floating]) -> NDArray[np.float64]:

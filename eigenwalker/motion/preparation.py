@@ -26,8 +26,9 @@ from eigenwalker.motion.heading import (
     turn,
 )
 from eigenwalker.motion.passes import cut
-from eigenwalker.motion.path import longest_run, stance_speed, steady_stretch
+from eigenwalker.motion.path import stance_speed, steady_stretch
 from eigenwalker.motion.phase import stride_frequency
+from eigenwalker.motion.runs import longest_run
 from eigenwalker.motion.strides import cut_to_strides
 from eigenwalker.motion.symmetry import symmetrize_walk
 from eigenwalker.motion.treadmill import refine_frequency, smooth_path, straighten, without_path

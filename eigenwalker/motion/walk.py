@@ -14,7 +14,7 @@ from eigenwalker.motion.rotations import forward_kinematics
 from eigenwalker.motion.skeleton import TROJE15, TROJE15_AND_FEET, MarkerSet, Skeleton
 from eigenwalker.motion.static_trial import carry_markers, hold_legs
 
-__all__ = ["Event", "JointWalk", "Walk"]
+__all__ = ["Event", "JointWalk", "Walk", "check_marker_walk"]
 
 _AXES = ("x", "y", "z")
 
@@ -356,3 +356,10 @@ def _check_common(walk: Walk | JointWalk) -> None:
     object.__setattr__(walk, "events", tuple(sorted(walk.events)))
     if walk.n_frames == 0:
         raise ValueError(f"walk {walk.name!r}: expected at least one frame, got none")
+
+
+def check_marker_walk(walk: object) -> Walk:
+    """Return `walk` if it is a walk of markers, else raise a TypeError."""
+    if not isinstance(walk, Walk):
+        raise TypeError(f"expected a Walk, got {type(walk).__name__}; turn joints into markers with to_markers()")
+    return walk

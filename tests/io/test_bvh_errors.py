@@ -6,30 +6,9 @@ import pytest
 
 from eigenwalker._validation import WalkError
 from eigenwalker.io import read_bvh
+from tests.bvh_files import BVH
 
-TEXT = """HIERARCHY
-ROOT Hips
-{
-  OFFSET 0 0 0
-  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
-  JOINT Knee
-  {
-    OFFSET 0 -40 0
-    CHANNELS 3 Zrotation Xrotation Yrotation
-    End Site
-    {
-      OFFSET 0 -45 0
-    }
-  }
-}
-MOTION
-Frames: 3
-Frame Time: 0.01
-0 90 0 1 2 3 4 5 6
-0 90 1 1 2 3 4 5 6
-0 90 2 1 2 3 4 5 6
-"""
-LINES = TEXT.splitlines(keepends=True)
+LINES = BVH.splitlines(keepends=True)
 
 
 def _refusal(folder, content):
@@ -42,7 +21,7 @@ def _refusal(folder, content):
 
 def test_the_text_itself_is_sound(tmp_path):
     path = tmp_path / "walk.bvh"
-    path.write_text(TEXT)
+    path.write_text(BVH)
     assert read_bvh(path).n_frames == 3
 
 
@@ -108,9 +87,9 @@ CHANGES = {
 
 @pytest.mark.parametrize(("old", "new", "match"), CHANGES.values(), ids=CHANGES.keys())
 def test_refused_with_file_and_line(tmp_path, old, new, match):
-    assert old in TEXT
+    assert old in BVH
     path = tmp_path / "walk.bvh"
-    path.write_text(TEXT.replace(old, new))
+    path.write_text(BVH.replace(old, new))
     with pytest.raises(WalkError, match=match) as caught:
         read_bvh(path)
     assert str(caught.value).startswith(f"{path}, line ")
@@ -118,8 +97,8 @@ def test_refused_with_file_and_line(tmp_path, old, new, match):
 
 
 def test_a_file_cut_anywhere_is_refused(tmp_path):
-    for end in range(len(TEXT) - len("6\n")):  # the last number may lose its end without a trace
-        message = _refusal(tmp_path, TEXT[:end])
+    for end in range(len(BVH) - len("6\n")):  # the last number may lose its end without a trace
+        message = _refusal(tmp_path, BVH[:end])
         assert "walk.bvh, line " in message
 
 
@@ -134,7 +113,7 @@ def test_a_cut_file_says_so(tmp_path):
 
 def test_several_bodies_are_named(tmp_path):
     second = "".join(LINES[1:15]).replace("Hips", "Pelvis").replace("Knee", "Shin")
-    message = _refusal(tmp_path, TEXT.replace("MOTION\n", second + "MOTION\n"))
+    message = _refusal(tmp_path, BVH.replace("MOTION\n", second + "MOTION\n"))
     assert "got 2: 'Hips' (line 2), 'Pelvis' (line 16); split" in message
 
 
@@ -149,7 +128,7 @@ def test_no_body_and_no_channels(tmp_path):
     [
         (b"", "line 1: expected HIERARCHY"),
         (b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR", "line 3: expected the text of a BVH file, got binary data"),
-        (TEXT.replace("Knee", "Kn\xe9").encode("latin-1"), "line 6: expected UTF-8 text, got byte 0xe9"),
+        (BVH.replace("Knee", "Kn\xe9").encode("latin-1"), "line 6: expected UTF-8 text, got byte 0xe9"),
         (bytes(range(1, 256)), "expected UTF-8 text"),
     ],
 )
@@ -158,12 +137,12 @@ def test_what_is_not_text_is_refused(tmp_path, content, match):
 
 
 def test_a_false_number_of_frames_costs_no_memory(tmp_path):
-    text = TEXT.replace("Frames: 3", "Frames: 1000000000000")
+    text = BVH.replace("Frames: 3", "Frames: 1000000000000")
     tracemalloc.start()
     message = _refusal(tmp_path, text)
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert "expected 1000000000000 lines of motion" in message
     assert peak < 1_000_000
-    assert "expected a whole number of frames" in _refusal(tmp_path, TEXT.replace("Frames: 3", "Frames: " + "9" * 5000))
-    assert "got '1e12'" in _refusal(tmp_path, TEXT.replace("Frames: 3", "Frames: 1e12"))
+    assert "expected a whole number of frames" in _refusal(tmp_path, BVH.replace("Frames: 3", "Frames: " + "9" * 5000))
+    assert "got '1e12'" in _refusal(tmp_path, BVH.replace("Frames: 3", "Frames: 1e12"))
