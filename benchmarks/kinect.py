@@ -176,7 +176,7 @@ def _rows(walks: Sequence[Walk], people: pd.DataFrame, changes: Mapping[str, Map
 def _report_default(walks: Sequence[Walk], people: pd.DataFrame, *, n_permutations: int) -> dict[str, float]:
     options = {name: value for name, value in _DEFAULT.items() if name not in ("scaling", "n_components")}
     recordings = _vectorize(walks, **options)
-    matrix = loo_matrix(recordings.vectors, _reduction("noise", _N_COMPONENTS), recordings.persons)
+    matrix = loo_matrix(recordings.vectors, groups=recordings.persons, n_components=_N_COMPONENTS, scaling="noise")
     is_man, decision = _decide(recordings, people["Gender"], "noise", _N_COMPONENTS)
     accuracy, area = balanced_accuracy_score(is_man, decision > 0), roc_auc_score(is_man, decision)
     codes = np.where(people["Gender"].loc[recordings.persons] == "M", 1.0, -1.0)
@@ -226,7 +226,9 @@ def _report_numbers(recordings: Recordings, people: pd.DataFrame, matrix: NDArra
         known = ~np.isnan(labels)
         part = recordings.persons[known]
         if not known.all():
-            matrix_known = loo_matrix(recordings.vectors[known], _reduction("noise", _N_COMPONENTS), part)
+            matrix_known = loo_matrix(
+                recordings.vectors[known], groups=part, n_components=_N_COMPONENTS, scaling="noise"
+            )
         else:
             matrix_known = matrix
         pairs = pd.DataFrame({"truth": labels[known], "guess": matrix_known @ labels[known]}).groupby(part).mean()

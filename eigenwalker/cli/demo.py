@@ -13,7 +13,8 @@ from tqdm import tqdm
 from eigenwalker.datasets import make_walkers
 from eigenwalker.display.plotting import StickFigureDisplay
 from eigenwalker.io.table import write_csv
-from eigenwalker.model.eigenwalkers import make_eigenwalkers, walk_along_axis
+from eigenwalker.model.eigenwalkers import make_eigenwalkers, settings_of
+from eigenwalker.model.generation import walk_along_axis
 from eigenwalker.model.inference import loo_matrix, permutation_test
 from eigenwalker.model.traits import TraitRegressor
 from eigenwalker.motion.preparation import prepare_walks
@@ -49,7 +50,7 @@ def run(options: argparse.Namespace) -> None:
         model = make_eigenwalkers(trait=TraitRegressor(poles=_POLES)).fit(walks, traits)
         vectors = model["linearizer"].transform(walks)
         _next(bar, "leaving out one walker at a time")
-        matrix = loo_matrix(vectors, model[1:-1])
+        matrix = loo_matrix(vectors, **settings_of(model))
         _next(bar, "drawing")
         _draw(model, options.out)
         bar.update()

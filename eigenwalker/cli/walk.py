@@ -6,7 +6,7 @@ from pathlib import Path
 from eigenwalker.cli._recordings import add_recording_arguments, list_reasons, load
 from eigenwalker.display.plotting import StickFigureDisplay
 from eigenwalker.io.formats import WRITERS, find_ending, write_walk
-from eigenwalker.model.eigenwalkers import walk_at
+from eigenwalker.model.generation import walk_at
 from eigenwalker.motion.strides import pool_walks
 from eigenwalker.motion.walk import Walk
 from eigenwalker.persistence import load_model

@@ -1,7 +1,10 @@
 """The statistics: walks as vectors, Eigenwalkers, trait axes, and back."""
 
+from eigenwalker.model._guards import LeakageWarning, OutsideDataWarning
+from eigenwalker.model.blocks import block_weights, feature_parts
 from eigenwalker.model.discriminant import TraitClassifier
-from eigenwalker.model.eigenwalkers import make_eigenwalkers, walk_along_axis, walk_at
+from eigenwalker.model.eigenwalkers import axis_features, axis_shares, make_eigenwalkers, settings_of
+from eigenwalker.model.generation import hybrid_walk, walk_along_axis, walk_at
 from eigenwalker.model.inference import (
     BootstrapResult,
     LearningCurve,
@@ -22,18 +25,26 @@ __all__ = [
     "BlockScaler",
     "BootstrapResult",
     "FourierLinearizer",
+    "LeakageWarning",
     "LearningCurve",
     "NestedResult",
+    "OutsideDataWarning",
     "PermutationResult",
     "TraitClassifier",
     "TraitRegressor",
+    "axis_features",
+    "axis_shares",
+    "block_weights",
     "bootstrap_axes",
+    "feature_parts",
+    "hybrid_walk",
     "learning_curve_walkers",
     "loo_matrix",
     "loo_predict",
     "make_eigenwalkers",
     "nested_loo",
     "permutation_test",
+    "settings_of",
     "walk_along_axis",
     "walk_at",
 ]

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from eigenwalker.model._control import free_directions, unit_columns
 from eigenwalker.model._persons import mean_by_person
 
 __all__ = ["ALPHA_UNITS", "DIRECTIONS", "Axes", "displacement", "fit_axes", "move", "unit_lengths"]
@@ -42,8 +43,15 @@ class Axes(NamedTuple):
     spread: NDArray[np.float64]
 
 
-def fit_axes(scores: NDArray[np.float64], labels: NDArray[np.float64], groups: NDArray[np.intp] | None = None) -> Axes:
+def fit_axes(
+    scores: NDArray[np.float64],
+    labels: NDArray[np.float64],
+    groups: NDArray[np.intp] | None = None,
+    controls: NDArray[np.float64] | None = None,
+) -> Axes:
     """Return the least-squares axes of labels on scores, with intercept (Troje 2002, Eq. 5).
+
+    With controls they are the best of those whose displacement has no covariance with any control.
 
     Parameters
     ----------
@@ -53,16 +61,30 @@ def fit_axes(scores: NDArray[np.float64], labels: NDArray[np.float64], groups: N
         NaN where a walker has no label for a trait; the walker then counts for the mean and the covariance only.
     groups : ndarray of shape (n_walkers,), default None
         Number of the person each walk belongs to; the spread is then that of the persons' means.
+    controls : ndarray of shape (n_walkers, n_controls), default None
+        What no axis may go along with.
+
+    Raises
+    ------
+    ValueError
+        If the controls leave no direction.
     """
     center = scores.mean(axis=0)
     centered = scores - center
+    controls = np.empty((len(scores), 0)) if controls is None else controls
+    free = free_directions(centered, unit_columns(controls))
+    if not free.shape[1]:
+        raise ValueError(
+            f"control leaves no direction for an axis: expected more components than the {controls.shape[1]} "
+            f"control(s), got {scores.shape[1]}"
+        )
     filters = np.empty((labels.shape[1], scores.shape[1]))
     intercept = np.empty(labels.shape[1])
     for trait, column in enumerate(labels.T):
         known = ~np.isnan(column)
-        design = np.column_stack((np.ones(known.sum()), centered[known]))
+        design = np.column_stack((np.ones(known.sum()), centered[known] @ free))
         solution = np.linalg.lstsq(design, column[known])[0]
-        intercept[trait], filters[trait] = solution[0], solution[1:]
+        intercept[trait], filters[trait] = solution[0], free @ solution[1:]
     displacements = centered @ filters.T
     if groups is not None:
         displacements = mean_by_person(displacements, groups)

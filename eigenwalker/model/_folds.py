@@ -85,8 +85,8 @@ def leave_out_persons(sample: Sample, reduction: Reduction) -> Folds:
 def learn_scales(sample: Sample, reduction: Reduction, walks: NDArray[np.intp] | slice) -> NDArray[np.float64]:
     """Return what `BlockScaler` divides each feature by when it is fitted to some walks."""
     if reduction.scaling is None:
-        return np.ones(sample.vectors.shape[1])
-    scaler = BlockScaler(reduction.n_scalars, unit=reduction.scaling, tolerance=reduction.tolerance)
+        return 1.0 / sample.weights
+    scaler = BlockScaler(sample.n_scalars, unit=reduction.scaling, weights=sample.weights)
     return scaler.fit(sample.vectors[walks], groups=sample.persons[walks]).scale_
 
 
@@ -170,7 +170,7 @@ def _changes_of_scale(sample: Sample, reduction: Reduction, whole: _Whole) -> ND
     The variances without a person come from sums over everybody less those of the person. Where that would leave less
     than a thousandth, `BlockScaler` itself decides, and tells a feature that no longer varies as well.
     """
-    n_scalars = 0 if reduction.scaling is None else reduction.n_scalars
+    n_scalars = 0 if reduction.scaling is None else sample.n_scalars
     if n_scalars == 0:
         return np.empty((sample.n_persons, 0))
     order, starts = _by_person(sample.persons)
@@ -184,8 +184,9 @@ def _changes_of_scale(sample: Sample, reduction: Reduction, whole: _Whole) -> ND
     total = parts.sum(axis=0)
     rest = total - np.add.reduceat(parts[order], starts[:-1]) - shifts / n_others
     own = whole.scales[n_posture:] ** 2
+    weighted = own * sample.weights[n_posture:] ** 2
     with np.errstate(divide="ignore", invalid="ignore"):
-        changes = own * (rest[:, :1] / n_posture) / rest[:, 1:] - 1.0
+        changes = weighted * (rest[:, :1] / np.float64(n_posture)) / rest[:, 1:] - 1.0
     for person in np.flatnonzero((rest <= 1e-3 * total).any(axis=1)):
         others = np.flatnonzero(sample.persons != person)
         changes[person] = own / learn_scales(sample, reduction, others)[n_posture:] ** 2 - 1.0

@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from eigenwalker.model._control import free_directions, take_out, unit_columns
 from eigenwalker.model._folds import leave_out_persons
 from eigenwalker.model._persons import mean_by_person
 from eigenwalker.model._principal import inverse_squares, principal_axes
@@ -56,7 +57,7 @@ def fit_weighted(
     scaled, roots = centered / scales, np.sqrt(weights)[:, np.newaxis]
     squares, axes = principal_axes(scaled * roots, min(reduction.n_components, int(total) - 1))
     scores = scaled @ axes.T
-    intercept, filters = _fit_traits(scores, codes[walks], weights, squares)
+    intercept, filters = _fit_traits(scores, codes[walks], weights, squares, sample.controls[walks])
     spread = _spread(scores @ filters.T, sample.persons[walks], counts)
     return WeightedFit(mean, scales, axes, squares / (total - 1), filters, intercept, spread)
 
@@ -69,14 +70,11 @@ def _learn_scales(
     variances: NDArray[np.float64],
 ) -> NDArray[np.float64]:
     if reduction.scaling is None:
-        return np.ones(sample.vectors.shape[1])
-    options: dict[str, Any] = {
-        "n_scalars": reduction.n_scalars,
-        "unit": reduction.scaling,
-        "tolerance": reduction.tolerance,
-    }
+        return 1.0 / sample.weights
+    options: dict[str, Any] = {"n_scalars": sample.n_scalars, "unit": reduction.scaling, "weights": sample.weights}
     if reduction.scaling != "noise":
-        return feature_scales(sample.vectors[walks], np.sqrt(variances), **options)
+        tolerance = BlockScaler().tolerance
+        return feature_scales(sample.vectors[walks], np.sqrt(variances), tolerance=tolerance, **options)
     repeated = np.repeat(walks, counts[sample.persons[walks]])
     # Copies of a person are as many persons: copy c of person q has the number c n_persons + q.
     copies = np.concatenate([np.arange(count) for count in counts[sample.persons[walks]]])
@@ -88,22 +86,30 @@ def _learn_scales(
 
 
 def _fit_traits(
-    scores: NDArray[np.float64], codes: NDArray[np.float64], weights: NDArray[np.float64], squares: NDArray[np.float64]
+    scores: NDArray[np.float64],
+    codes: NDArray[np.float64],
+    weights: NDArray[np.float64],
+    squares: NDArray[np.float64],
+    controls: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return intercept, shape (n_traits,), and filters, shape (n_traits, n_components), each from labelled walks."""
-    known = ~np.isnan(codes)
+    known, roots = ~np.isnan(codes), np.sqrt(weights)
+    controls = unit_columns(controls, weights)
+    weighted = scores * roots[:, np.newaxis]
     if known.all():  # scores are uncorrelated
         intercept = weights @ codes / weights.sum()
-        moments = scores.T @ (weights[:, np.newaxis] * (codes - intercept))
-        return intercept, (moments * inverse_squares(squares, int(weights.sum()))[:, np.newaxis]).T
-    design, roots = np.column_stack((np.ones(len(scores)), scores)), np.sqrt(weights)
+        inverses = np.sqrt(inverse_squares(squares, int(weights.sum())))[:, np.newaxis]
+        moments = weighted.T @ (roots[:, np.newaxis] * (codes - intercept))
+        return intercept, (take_out(moments * inverses, weighted.T @ controls * inverses) * inverses).T
+    free = free_directions(weighted, controls)
+    design = np.column_stack((np.ones(len(scores)), scores @ free))
     solutions = np.stack(
         [
             np.linalg.lstsq(design[k] * roots[k, np.newaxis], column[k] * roots[k])[0]
             for column, k in zip(codes.T, known.T, strict=True)
         ]
     )
-    return solutions[:, 0], solutions[:, 1:]
+    return solutions[:, 0], solutions[:, 1:] @ free.T
 
 
 def _spread(
@@ -124,7 +130,8 @@ def fit_without_each(sample: Sample, codes: NDArray[np.float64], reduction: Redu
             vectors, n_others = sample.vectors[fold.others], len(fold.others)
             mean = vectors.mean(axis=0)
             scores = (folds.coordinates[fold.others] - fold.center) @ fold.axes.T
-            intercept, filters = _fit_traits(scores, codes[fold.others], np.ones(n_others), fold.squares)
+            ones, controls = np.ones(n_others), sample.controls[fold.others]
+            intercept, filters = _fit_traits(scores, codes[fold.others], ones, fold.squares, controls)
             everybody = np.ones(sample.n_persons, dtype=np.intp)
             spread = _spread(scores @ filters.T, sample.persons[fold.others], everybody)
             # What a score of 1 changes in the features: their covariance with it over its variance.

@@ -1,5 +1,6 @@
 """The bootstrap of trait axes over persons: what of an axis would other persons show as well."""
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -12,7 +13,7 @@ from sklearn.utils import check_random_state
 from eigenwalker._validation import check_choice
 from eigenwalker.model._axes import DIRECTIONS
 from eigenwalker.model._resampling import feature_axes, fit_weighted, fit_without_each, varies
-from eigenwalker.model._sample import Reduction, Sample, take_labels, take_reduction, take_sample
+from eigenwalker.model._sample import Reduction, Sample, control_sample, take_labels, take_reduction, take_sample
 
 __all__ = ["BootstrapResult", "bootstrap_axes"]
 
@@ -49,12 +50,14 @@ def bootstrap_axes(
     n_components: int = 15,
     scaling: str | None = None,
     groups: ArrayLike | None = None,
+    control: ArrayLike | None = None,
     direction: str = "pattern",
     level: float = 0.95,
     n_resamples: int = 1000,
     random_state: int | np.random.RandomState | None = None,
     n_jobs: int | None = None,
     n_scalars: int | None = None,
+    weights: Mapping[str, float] | ArrayLike | None = None,
     linearizer: TransformerMixin | None = None,
 ) -> BootstrapResult:
     """Return how stable trait axes are when persons are drawn again, with replacement.
@@ -73,7 +76,7 @@ def bootstrap_axes(
         Labels; see `loo_predict`.
     n_components : int, default 15
         How many Eigenwalkers.
-    scaling, groups
+    scaling, groups, control
         See `loo_predict`. A person is drawn with all walks; one drawn twice counts as two persons.
     direction : {"pattern", "filter"}, default "pattern"
         Which axis; see `TraitRegressor`.
@@ -85,7 +88,7 @@ def bootstrap_axes(
         Seed of the draws.
     n_jobs : int, default None
         Processes, as joblib counts them. The result does not depend on it.
-    n_scalars, linearizer
+    n_scalars, weights, linearizer
         See `loo_predict`.
 
     Returns
@@ -113,8 +116,9 @@ def bootstrap_axes(
         raise ValueError(f"level must be between 0 and 1, got {level!r}")
     if n_resamples < 2:
         raise ValueError(f"n_resamples must be at least 2, got {n_resamples!r}")
-    sample = take_sample(vectors, groups, scaling, n_scalars=n_scalars, linearizer=linearizer)
+    sample = take_sample(vectors, groups, scaling, n_scalars=n_scalars, weights=weights, linearizer=linearizer)
     labels = take_labels(y, len(sample.vectors))
+    sample = control_sample(sample, control, labels)
     reduction = take_reduction(n_components, scaling, sample)
     draws = _draw(sample, labels.codes, n_resamples, check_random_state(random_state))
     whole = fit_weighted(sample, labels.codes, np.ones(sample.n_persons, dtype=np.intp), reduction)
@@ -125,10 +129,18 @@ def bootstrap_axes(
     resampled = np.concatenate(found)  # (n_resamples, n_traits, n_features)
     low, high = bca_interval(estimate, resampled, jackknife, level)
     cosines = _cosines(resampled, estimate, whole.scales)
+    estimate, low, high = (_among_all(values, sample.kept) for values in (estimate, low, high))
     result = BootstrapResult(estimate, low, high, cosines, np.median(cosines, axis=0))
     if not labels.is_single:
         return result
     return BootstrapResult(estimate[0], low[0], high[0], cosines[:, 0], result.stability[0])
+
+
+def _among_all(values: NDArray[np.float64], kept: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Return values of all features, 0 for those that are left out."""
+    everything = np.zeros((len(values), len(kept)))
+    everything[:, kept] = values
+    return everything
 
 
 def _draw(

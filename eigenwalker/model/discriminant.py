@@ -71,7 +71,9 @@ class TraitClassifier(ClassifierMixin, TransformerMixin, BaseEstimator):
         self.poles = poles
         self.boundary = boundary
 
-    def fit(self, X: ArrayLike, y: ArrayLike, groups: ArrayLike | None = None) -> Self:
+    def fit(
+        self, X: ArrayLike, y: ArrayLike, groups: ArrayLike | None = None, control: ArrayLike | None = None
+    ) -> Self:
         """Learn the axis.
 
         Parameters
@@ -82,6 +84,8 @@ class TraitClassifier(ClassifierMixin, TransformerMixin, BaseEstimator):
             The group of each walker, two different ones.
         groups : array-like of shape (n_walkers,), default None
             Which person each walk is of; see `TraitRegressor.fit`.
+        control : DataFrame, Series or array-like of shape (n_walkers,) or (n_walkers, n_controls), default None
+            What the axis may not go along with; see `TraitRegressor.fit`.
 
         Returns
         -------
@@ -106,7 +110,7 @@ class TraitClassifier(ClassifierMixin, TransformerMixin, BaseEstimator):
         )
         negative, positive = self._poles(labels.name)
         codes = labels.eq(positive).map({False: -1.0, True: 1.0})
-        self.axis_.fit(scores, codes, groups)
+        self.axis_.fit(scores, codes, groups, control)
         alphas = pd.Series(self.axis_.transform(scores)[:, 0])
         self.alpha_means_ = {pole: float(alphas[labels.eq(pole)].mean()) for pole in (negative, positive)}
         fitted = pd.Series(self.axis_.predict(scores))

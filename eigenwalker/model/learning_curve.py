@@ -1,6 +1,6 @@
 """How well persons who were never seen are predicted, against how many were."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +11,7 @@ from sklearn.utils import check_random_state
 from eigenwalker._validation import check_choice
 from eigenwalker.model._persons import mean_by_person, number_persons
 from eigenwalker.model._resampling import fit_weighted, predict_weighted, varies
-from eigenwalker.model._sample import Reduction, Sample, take_labels, take_reduction, take_sample
+from eigenwalker.model._sample import Reduction, Sample, control_sample, take_labels, take_reduction, take_sample
 from eigenwalker.model._scores import SCORES, TWO_VALUED_SCORES, score_columns
 
 __all__ = ["LearningCurve", "learning_curve_walkers"]
@@ -46,11 +46,13 @@ def learning_curve_walkers(
     n_components: int = 15,
     scaling: str | None = None,
     groups: ArrayLike | None = None,
+    control: ArrayLike | None = None,
     score: str = "auto",
     n_test: int | None = None,
     n_repeats: int = 50,
     random_state: int | np.random.RandomState | None = None,
     n_scalars: int | None = None,
+    weights: Mapping[str, float] | ArrayLike | None = None,
     linearizer: TransformerMixin | None = None,
 ) -> LearningCurve:
     """Return the score of persons kept apart, against the number of persons learned from.
@@ -67,7 +69,7 @@ def learning_curve_walkers(
     n_persons : sequence of int, default None
         Numbers of persons to learn from. None is five of them, evenly spaced, from `n_components` + 2 to all that are
         not kept apart.
-    n_components, scaling, groups
+    n_components, scaling, groups, control
         See `loo_predict`.
     score : {"auto", "accuracy", "balanced_accuracy", "auc", "r"}, default "auto"
         See `permutation_test`. Where a person has one label, the mean prediction of the person's walks counts. "auto"
@@ -78,7 +80,7 @@ def learning_curve_walkers(
         Number of draws. Draws with one label only, in the test or in the smallest number to learn from, are repeated.
     random_state : int, RandomState or None, default None
         Seed of the draws.
-    n_scalars, linearizer
+    n_scalars, weights, linearizer
         See `loo_predict`.
 
     Returns
@@ -102,8 +104,11 @@ def learning_curve_walkers(
     True
     """
     check_choice(score, ("auto", *SCORES), name="score")
-    sample = take_sample(vectors, groups, scaling, n_scalars=n_scalars, linearizer=linearizer, n_persons=6)
+    sample = take_sample(
+        vectors, groups, scaling, n_scalars=n_scalars, weights=weights, linearizer=linearizer, n_persons=6
+    )
     labels = take_labels(y, len(sample.vectors))
+    sample = control_sample(sample, control, labels)
     if score == "auto":
         score = "auc" if all(labels.two_valued) else "r"
     if score in TWO_VALUED_SCORES and not all(labels.two_valued):

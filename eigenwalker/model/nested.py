@@ -1,6 +1,6 @@
 """Leave-one-out that chooses its number of Eigenwalkers, and leaves one out of that as well."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -8,8 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from sklearn.base import TransformerMixin
 
 from eigenwalker._validation import check_choice
-from eigenwalker.model._persons import number_persons
-from eigenwalker.model._sample import Reduction, Sample, take_components, take_labels, take_sample
+from eigenwalker.model._sample import Reduction, control_sample, take_components, take_labels, take_sample
 from eigenwalker.model.leave_one_out import predict_by_others
 
 __all__ = ["NestedResult", "nested_loo"]
@@ -48,7 +47,9 @@ def nested_loo(
     criterion: str = "auto",
     scaling: str | None = None,
     groups: ArrayLike | None = None,
+    control: ArrayLike | None = None,
     n_scalars: int | None = None,
+    weights: Mapping[str, float] | ArrayLike | None = None,
     linearizer: TransformerMixin | None = None,
 ) -> NestedResult:
     """Return predictions of persons left out, with the number of components chosen on the others alone.
@@ -68,7 +69,7 @@ def nested_loo(
     criterion : {"auto", "accuracy", "error"}, default "auto"
         What is best: the highest accuracy, or the smallest mean squared error. "auto" is accuracy for traits with two
         groups (two words, or -1 and +1), error for numbers.
-    scaling, groups, n_scalars, linearizer
+    scaling, groups, control, n_scalars, weights, linearizer
         See `loo_predict`.
 
     Returns
@@ -93,20 +94,23 @@ def nested_loo(
     ((30,), True)
     """
     check_choice(criterion, ("auto", "accuracy", "error"), name="criterion")
-    sample = take_sample(vectors, groups, scaling, n_scalars=n_scalars, linearizer=linearizer, n_persons=4)
+    sample = take_sample(
+        vectors, groups, scaling, n_scalars=n_scalars, weights=weights, linearizer=linearizer, n_persons=4
+    )
     labels = take_labels(y, len(sample.vectors))
+    sample = control_sample(sample, control, labels)
     two_valued = np.array(labels.two_valued)
     if criterion == "accuracy" and not two_valued.all():
         wrong = [name for name, fits in zip(labels.names, two_valued, strict=True) if not fits]
         raise ValueError(f"criterion='accuracy' needs two groups, but {', '.join(map(repr, wrong))} has other numbers")
     by_accuracy = two_valued & (criterion != "error")
     numbers = take_components(n_components, sample, n_left_out=2)
-    reduction = Reduction(int(numbers.max()), scaling, sample.n_scalars)
+    reduction = Reduction(int(numbers.max()), scaling)
     everyone = predict_by_others(sample, labels.codes, reduction, numbers)  # (n_candidates, n_walks, n_traits)
     choices = np.empty(labels.codes.shape, dtype=np.intp)
     for person in range(sample.n_persons):
         others = sample.persons != person
-        inner = Sample(sample.vectors[others], number_persons(sample.persons[others], others.sum()), sample.n_scalars)
+        inner = sample.take(others)
         predicted = predict_by_others(inner, labels.codes[others], reduction, numbers)
         choices[~others] = _choose(_goodness(predicted, labels.codes[others], inner.persons, by_accuracy))
     predictions = np.take_along_axis(everyone, choices[np.newaxis], axis=0)

@@ -1,6 +1,6 @@
 """Permutation tests of trait axes: how often shuffled labels do as well."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +12,7 @@ from eigenwalker._validation import check_choice
 from eigenwalker.model._persons import mean_by_person, number_persons
 from eigenwalker.model._sample import (
     Labels,
+    control_sample,
     take_labels,
     take_reduction,
     take_sample,
@@ -53,7 +54,9 @@ def permutation_test(
     random_state: int | np.random.RandomState | None = None,
     n_components: int | None = None,
     scaling: str | None = None,
+    control: ArrayLike | None = None,
     n_scalars: int | None = None,
+    weights: Mapping[str, float] | ArrayLike | None = None,
     linearizer: TransformerMixin | None = None,
 ) -> PermutationResult:
     """Return how well labels are predicted for persons left out, and how often shuffled labels do as well.
@@ -86,8 +89,9 @@ def permutation_test(
         Seed of the shuffles.
     n_components : int, default None
         How many Eigenwalkers, when `vectors` is not a matrix.
-    scaling, n_scalars, linearizer
-        See `loo_predict`.
+    scaling, control, n_scalars, weights, linearizer
+        See `loo_predict`. Control variables stay with their walks; where labels go along with them, shuffle within
+        `strata` of about equal control.
 
     Returns
     -------
@@ -113,13 +117,17 @@ def permutation_test(
     if n_permutations < 1:
         raise ValueError(f"n_permutations must be at least 1, got {n_permutations!r}")
     if n_components is None:
+        if control is not None:
+            raise ValueError("control needs vectors and n_components; a matrix has it from loo_matrix(control=...)")
         matrix = _check_matrix(vectors)
         persons = number_persons(groups, len(matrix))
     else:
-        sample = take_sample(vectors, groups, scaling, n_scalars=n_scalars, linearizer=linearizer)
-        reduction = take_reduction(n_components, scaling, sample)
+        sample = take_sample(vectors, groups, scaling, n_scalars=n_scalars, weights=weights, linearizer=linearizer)
         persons = sample.persons
     labels = take_labels(y, len(persons))
+    if n_components is not None:
+        sample = control_sample(sample, control, labels)
+        reduction = take_reduction(n_components, scaling, sample)
     _check_score(labels, score)
     codes = _one_each(labels.codes, persons, "labels")
     blocks = np.zeros(len(persons)) if strata is None else number_persons(strata, len(persons)).astype(np.float64)

@@ -1,5 +1,6 @@
 """Scaling of features before PCA, so that units do not decide what an Eigenwalker is."""
 
+from collections.abc import Mapping
 from typing import Self
 
 import numpy as np
@@ -9,8 +10,11 @@ from sklearn.utils.validation import check_array, check_is_fitted, validate_data
 
 from eigenwalker._validation import check_choice
 from eigenwalker.model._persons import mean_by_person, number_persons
+from eigenwalker.model.blocks import take_weights
 
-__all__ = ["BlockScaler", "feature_scales"]
+__all__ = ["SCALINGS", "BlockScaler", "feature_scales"]
+
+SCALINGS = ("blocks", "features", "noise", None)
 
 
 class BlockScaler(OneToOneFeatureMixin, TransformerMixin, BaseEstimator):
@@ -23,24 +27,32 @@ class BlockScaler(OneToOneFeatureMixin, TransformerMixin, BaseEstimator):
       single feature weighs as much as one average posture feature, and posture keeps its proportions;
     - ``unit="features"`` divides every feature by its own SD;
     - ``unit="noise"`` divides every feature by its SD within persons, between the walks of one person, so that what a
-      noisy sensor does not see the same way twice counts little. It takes `groups` in `fit`.
-
-    Without it the unit decides: frequency holds a tenth of the variance beside metres and nothing beside millimetres.
+      noisy sensor does not see the same way twice counts little. It takes `groups` in `fit`;
+    - ``unit=None`` divides by 1. Then the unit decides: frequency holds a tenth of the variance beside metres and
+      nothing beside millimetres.
 
     Parameters
     ----------
     n_scalars : int, default 1
         How many of the last columns are single features: the frequency, and each of the linearizer's extras.
-    unit : {"blocks", "features", "noise"}, default "blocks"
+    unit : {"blocks", "features", "noise", None}, default "blocks"
         What is brought to one scale.
     tolerance : float, default 1e-6
         A posture feature whose SD is below `tolerance` times r is constant by convention, and what varies in it is
         rounding; it keeps scale 1, as does a single feature that does not vary.
+    weights : mapping of str to float or array-like of shape (n_features,), default None
+        What scaled features are multiplied by; see `block_weights` for the names. Names need columns with names, see
+        `make_eigenwalkers`. A feature with weight 0 is left out, of r as well: it is 0 after scaling, and
+        `inverse_transform` returns its mean over the training walks.
 
     Attributes
     ----------
     scale_ : ndarray of shape (n_features,)
-        What each feature is divided by.
+        What each feature is divided by, weights included; infinite where it is left out.
+    mean_ : ndarray of shape (n_features,)
+        Mean of each feature over the training walks. It is not subtracted.
+    spread_ : ndarray of shape (n_features,)
+        SD of each feature over the training walks.
     block_shares_ : ndarray of shape (1 + n_scalars,)
         Share of the variance after scaling in the posture features together, and in each single feature.
     n_features_in_ : int
@@ -56,10 +68,18 @@ class BlockScaler(OneToOneFeatureMixin, TransformerMixin, BaseEstimator):
            [2., 1., 3.]])
     """
 
-    def __init__(self, n_scalars: int = 1, *, unit: str = "blocks", tolerance: float = 1e-6) -> None:
+    def __init__(
+        self,
+        n_scalars: int = 1,
+        *,
+        unit: str | None = "blocks",
+        tolerance: float = 1e-6,
+        weights: Mapping[str, float] | ArrayLike | None = None,
+    ) -> None:
         self.n_scalars = n_scalars
         self.unit = unit
         self.tolerance = tolerance
+        self.weights = weights
 
     def fit(self, X: ArrayLike, y: object = None, groups: ArrayLike | None = None) -> Self:
         """Learn the scales.
@@ -67,7 +87,7 @@ class BlockScaler(OneToOneFeatureMixin, TransformerMixin, BaseEstimator):
         Parameters
         ----------
         X : array-like of shape (n_walks, n_features)
-            Feature vectors; at least one posture feature beside the `n_scalars` single ones.
+            Feature vectors, the posture features first.
         y : object, default None
             Ignored.
         groups : array-like of shape (n_walks,), default None
@@ -80,22 +100,25 @@ class BlockScaler(OneToOneFeatureMixin, TransformerMixin, BaseEstimator):
         Raises
         ------
         ValueError
-            If there are no posture features, or for "noise" no person with two walks.
+            If there are fewer features than `n_scalars`, for "noise" no person with two walks, or if `weights` do not
+            fit the features.
         """
-        check_choice(self.unit, ("blocks", "features", "noise"), name="unit")
+        check_choice(self.unit, SCALINGS, name="unit")
         vectors = validate_data(self, X, dtype=np.float64)
         n_posture = vectors.shape[1] - self.n_scalars
-        if n_posture < 1 or self.n_scalars < 0:
+        if n_posture < 0 or self.n_scalars < 0:
             raise ValueError(
-                f"expected posture features beside n_scalars={self.n_scalars} single ones, "
-                f"got {vectors.shape[1]} feature(s) in all"
+                f"expected at least the n_scalars={self.n_scalars} single features, got {vectors.shape[1]} feature(s) "
+                "in all"
             )
-        spreads = vectors.std(axis=0)
-        counted = _spreads_within(vectors, groups) if self.unit == "noise" else spreads
+        weights = take_weights(self.weights, vectors.shape[1], getattr(self, "feature_names_in_", None))
+        self.mean_ = vectors.mean(axis=0)
+        self.spread_ = vectors.std(axis=0)
+        counted = _spreads_within(vectors, groups) if self.unit == "noise" else self.spread_
         self.scale_ = feature_scales(
-            vectors, counted, n_scalars=self.n_scalars, unit=self.unit, tolerance=self.tolerance
+            vectors, counted, n_scalars=self.n_scalars, unit=self.unit, tolerance=self.tolerance, weights=weights
         )
-        variances = (spreads / self.scale_) ** 2
+        variances = (self.spread_ / self.scale_) ** 2
         blocks = np.concatenate(([variances[:n_posture].sum()], variances[n_posture:]))
         self.block_shares_ = blocks / blocks.sum() if blocks.sum() > 0 else np.zeros_like(blocks)
         return self
@@ -131,11 +154,18 @@ class BlockScaler(OneToOneFeatureMixin, TransformerMixin, BaseEstimator):
         scaled = check_array(X, dtype=np.float64, input_name="X")
         if scaled.shape[1] != self.n_features_in_:
             raise ValueError(f"expected {self.n_features_in_} features, got {scaled.shape[1]}")
-        return scaled * self.scale_
+        kept = np.isfinite(self.scale_)
+        return np.where(kept, scaled * np.where(kept, self.scale_, 0.0), self.mean_)
 
 
 def feature_scales(
-    vectors: NDArray[np.float64], spreads: NDArray[np.float64], *, n_scalars: int, unit: str, tolerance: float
+    vectors: NDArray[np.float64],
+    spreads: NDArray[np.float64],
+    *,
+    n_scalars: int,
+    unit: str | None,
+    tolerance: float,
+    weights: NDArray[np.float64],
 ) -> NDArray[np.float64]:
     """Return what `BlockScaler` divides each feature by, shape (n_features,).
 
@@ -145,21 +175,26 @@ def feature_scales(
         Their size tells which spreads are rounding.
     spreads : ndarray of shape (n_features,)
         The SD of each feature that counts: over all walks, weighted, or within persons.
-    n_scalars, unit, tolerance : int, str, float
+    n_scalars, unit, tolerance : int, str or None, float
         Of `BlockScaler`.
+    weights : ndarray of shape (n_features,)
+        What scaled features are multiplied by.
     """
     n_posture = vectors.shape[1] - n_scalars
-    reference = np.sqrt(np.mean(spreads[:n_posture] ** 2))
     scale = np.ones_like(spreads)
-    if unit != "blocks":
-        vary = spreads[:n_posture] > tolerance * reference
-        scale[:n_posture][vary] = spreads[:n_posture][vary]
-        reference = 1.0
-    scalars = spreads[n_posture:]
-    magnitudes = np.abs(vectors[:, n_posture:]).max(axis=0, initial=0.0)
-    varies = (scalars > 1e-12 * magnitudes) & (reference > 0)
-    scale[n_posture:][varies] = scalars[varies] / reference
-    return scale
+    if unit is not None:
+        posture = spreads[:n_posture]
+        kept = posture[weights[:n_posture] > 0]
+        reference = np.sqrt(np.mean(kept**2)) if kept.size else 1.0
+        if unit != "blocks":
+            vary = posture > tolerance * reference
+            scale[:n_posture][vary] = posture[vary]
+            reference = 1.0
+        scalars = spreads[n_posture:]
+        magnitudes = np.abs(vectors[:, n_posture:]).max(axis=0, initial=0.0)
+        varies = (scalars > 1e-12 * magnitudes) & (reference > 0)
+        scale[n_posture:][varies] = scalars[varies] / reference
+    return np.divide(scale, weights, out=np.full_like(scale, np.inf), where=weights > 0)
 
 
 def _spreads_within(vectors: NDArray[np.float64], groups: ArrayLike | None) -> NDArray[np.float64]:

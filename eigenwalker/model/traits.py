@@ -15,8 +15,10 @@ from sklearn.utils.validation import (
 
 from eigenwalker._validation import check_choice
 from eigenwalker.model._axes import ALPHA_UNITS, DIRECTIONS, Axes, displacement, fit_axes, move, unit_lengths
+from eigenwalker.model._control import take_controls
+from eigenwalker.model._guards import LIMIT, distance_limit, distances, warn_outside
 from eigenwalker.model._labels import Poles, encode, learn_coding, tabulate
-from eigenwalker.model._persons import number_persons
+from eigenwalker.model._persons import mean_by_person, number_persons
 
 __all__ = ["TraitRegressor"]
 
@@ -32,6 +34,10 @@ class TraitRegressor(RegressorMixin, TransformerMixin, BaseEstimator):
     .. math:: s = Cov\, C' (C\, Cov\, C')^{-1} a \quad\text{or}\quad s = C' (C C')^{-1} a
 
     One trait with ``alpha_unit="coefficient"`` and ``direction="filter"`` is Troje 2002, Eq. 6 to the letter.
+
+    With control variables z given to `fit` the axes are the best of those with cov(c . s, z) = 0 over the training
+    walkers: weight given gender and height is what else goes along with weight. A step along such an axis in the
+    direction "pattern" leaves alone what the scores tell about the controls, as Cov c is orthogonal to the filter of z.
 
     Parameters
     ----------
@@ -60,6 +66,10 @@ class TraitRegressor(RegressorMixin, TransformerMixin, BaseEstimator):
         SD of the displacement over training walkers or persons, in label units.
     trait_names_ : list of str
         From the columns of `y`.
+    control_names_ : list of str
+        From the columns of `control`.
+    alphas_ : ndarray of shape (n_persons, n_traits)
+        Alpha of each training walker, or the mean over the walks of each person.
     poles_ : dict of str to tuple
         Words for the ends of each trait.
     alpha_means_ : dict of str to dict
@@ -86,7 +96,9 @@ class TraitRegressor(RegressorMixin, TransformerMixin, BaseEstimator):
         self.direction = direction
         self.poles = poles
 
-    def fit(self, X: ArrayLike, y: ArrayLike, groups: ArrayLike | None = None) -> Self:
+    def fit(
+        self, X: ArrayLike, y: ArrayLike, groups: ArrayLike | None = None, control: ArrayLike | None = None
+    ) -> Self:
         """Learn the axes.
 
         Parameters
@@ -97,6 +109,9 @@ class TraitRegressor(RegressorMixin, TransformerMixin, BaseEstimator):
             Numbers, or two words a trait. A missing label (NaN, None) leaves its walker out of that trait's fit.
         groups : array-like of shape (n_walkers,), default None
             Which person each walk is of. One unit of alpha is then an SD over persons.
+        control : DataFrame, Series or array-like of shape (n_walkers,) or (n_walkers, n_controls), default None
+            What no axis may go along with: numbers, or two words a column, without missing values. In a Pipeline
+            ``fit(walks, y, trait__control=people[["gender", "height"]])``.
 
         Returns
         -------
@@ -105,7 +120,8 @@ class TraitRegressor(RegressorMixin, TransformerMixin, BaseEstimator):
         Raises
         ------
         ValueError
-            If a trait has no labels, one class only or more than two words, or if a parameter is out of range.
+            If a trait has no labels, one class only or more than two words, if `control` has missing values or leaves
+            no direction for an axis, or if a parameter is out of range.
         """
         check_choice(self.alpha_unit, ALPHA_UNITS, name="alpha_unit")
         check_choice(self.direction, DIRECTIONS, name="direction")
@@ -116,18 +132,20 @@ class TraitRegressor(RegressorMixin, TransformerMixin, BaseEstimator):
         table = tabulate(y, self.poles)
         self._codings = learn_coding(table, self.poles)
         labels = encode(table, self._codings)
-        persons = None if groups is None else number_persons(groups, len(scores))
-        axes = fit_axes(scores, labels, persons)
-        self.coef_, self.intercept_, self.mean_, self.covariance_, self.alpha_sd_ = axes
         self.trait_names_ = [coding.name for coding in self._codings]
+        controls, self.control_names_ = take_controls(control, len(scores), self.trait_names_)
+        persons = None if groups is None else number_persons(groups, len(scores))
+        axes = fit_axes(scores, labels, persons, controls)
+        self.coef_, self.intercept_, self.mean_, self.covariance_, self.alpha_sd_ = axes
         self.poles_ = {coding.name: coding.poles for coding in self._codings}
         self._is_single = len(getattr(y, "shape", np.shape(np.asarray(y)))) == 1
-        self._report_groups(scores, labels)
+        alphas = self._alphas(scores)
+        self.alphas_ = alphas if persons is None else mean_by_person(alphas, persons)
+        self._report_groups(alphas, labels)
         return self
 
-    def _report_groups(self, scores: NDArray[np.float64], labels: NDArray[np.float64]) -> None:
+    def _report_groups(self, alphas: NDArray[np.float64], labels: NDArray[np.float64]) -> None:
         self.alpha_means_, self.alpha_boundary_ = {}, {}
-        alphas = self._alphas(scores)
         for trait, coding in enumerate(self._codings):
             if coding.two_valued:
                 self.alpha_means_[coding.name] = {
@@ -213,6 +231,11 @@ class TraitRegressor(RegressorMixin, TransformerMixin, BaseEstimator):
         ------
         ValueError
             If the axes are combinations of each other, so that not every alpha can be had.
+
+        Warns
+        -----
+        OutsideDataWarning
+            If scores are beyond `distance_limit`.
         """
         check_is_fitted(self)
         alphas = check_array(X, dtype=np.float64, input_name="X")
@@ -220,7 +243,44 @@ class TraitRegressor(RegressorMixin, TransformerMixin, BaseEstimator):
             raise ValueError(
                 f"expected alpha for the {len(self.coef_)} traits {self.trait_names_}, got {alphas.shape[1]}"
             )
-        return self.mean_ + self.step(alphas, self.trait_names_)
+        scores = self.mean_ + self.step(alphas, self.trait_names_)
+        away = distances(scores - self.mean_, self.covariance_)
+        warn_outside(away, self.distance_limit(), [f"walk {row}" for row in range(len(scores))])
+        return scores
+
+    def distance(self, X: ArrayLike) -> NDArray[np.float64]:
+        """Return how far walkers are from the average walker, in SDs of the training walkers: Mahalanobis distance.
+
+        Parameters
+        ----------
+        X : array-like of shape (n_walkers, n_components)
+            Scores.
+
+        Returns
+        -------
+        ndarray of shape (n_walkers,)
+            sqrt(s' Cov^-1 s), with centered scores s.
+        """
+        check_is_fitted(self)
+        scores = validate_data(self, X, dtype=np.float64, reset=False)
+        return distances(scores - self.mean_, self.covariance_)
+
+    def distance_limit(self, share: float = LIMIT) -> float:
+        """Return the distance within which a share of new walkers lie, if they are of the kind of those in training.
+
+        Parameters
+        ----------
+        share : float, default 0.99
+            Between 0 and 1.
+
+        Returns
+        -------
+        float
+            From the F distribution (Hotelling), for normally distributed scores and as many walkers, or persons, as
+            were in training. Infinite where they are no more than components.
+        """
+        check_is_fitted(self)
+        return distance_limit(len(self.alphas_), len(self.mean_), share)
 
     def step(self, alphas: ArrayLike, traits: list[str]) -> NDArray[np.float64]:
         """Return the steps from a walker's score that change its alpha on some traits and leave the others free.

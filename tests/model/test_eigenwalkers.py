@@ -166,7 +166,10 @@ def test_collinear_traits_still_have_axes(walkers):
             lambda model: walk_along_axis(model, "happy", [1.0], hold=("happy",)),
             "either set or held, got both for happy",
         ),
-        (lambda model: walk_along_axis(model, "happy", [-1e4]), "expected a positive frequency|below half"),
+        (
+            lambda model: walk_along_axis(model, "happy", [-1e4]),
+            "would be -97.7 Hz.* becomes 0 at alpha = -95.5",
+        ),
         (lambda model: walk_along_axis(model[1:], "happy", [1.0]), "must have a FourierLinearizer among its steps"),
         (lambda model: model.inverse_transform([[1.0]]), "expected alpha for the 4 traits"),
     ],
@@ -178,7 +181,7 @@ def test_wrong_requests_are_refused(walkers, call, message):
 
 
 def test_scaling_is_a_choice():
-    assert list(make_eigenwalkers(scaling=None).named_steps) == ["linearizer", "eigenwalkers", "trait"]
+    assert make_eigenwalkers(scaling=None)["scaler"].unit is None
     assert list(make_eigenwalkers().named_steps) == ["linearizer", "scaler", "eigenwalkers", "trait"]
     with pytest.raises(ValueError, match="scaling must be one of 'blocks', 'features', 'noise', None"):
         make_eigenwalkers(scaling="metres")

@@ -17,6 +17,7 @@ from eigenwalker.model import (
     loo_predict,
     make_eigenwalkers,
     nested_loo,
+    settings_of,
 )
 
 
@@ -195,20 +196,19 @@ def test_the_matrix_takes_the_steps_of_a_model():
     persons = np.arange(12) // 2
     model = make_eigenwalkers(n_components=3, scaling="noise")
     expected = loo_matrix(vectors, groups=persons, n_components=3, scaling="noise")
-    assert_allclose(loo_matrix(vectors, model[1:-1], persons), expected)
-    assert_allclose(loo_matrix(vectors, PCA(2)), loo_matrix(vectors, n_components=2))
+    assert_allclose(loo_matrix(vectors, groups=persons, **settings_of(model)), expected)
     assert (expected[persons[:, np.newaxis] == persons] == 0).all()
     assert_allclose(expected.sum(axis=1), 1)  # equal labels are predicted as they are
-    with pytest.raises(ValueError, match="reduction must be a PCA, after a BlockScaler or none, got PCA, PCA"):
-        loo_matrix(vectors, make_pipeline(PCA(3), PCA(2)))
+    with pytest.raises(ValueError, match=r"a BlockScaler .* and a PCA before the trait, got PCA.*PCA"):
+        settings_of(make_pipeline(FourierLinearizer(), PCA(3), PCA(2), TraitRegressor()))
     with pytest.raises(ValueError, match="PCA's n_components must be a whole number"):
-        loo_matrix(vectors, PCA(0.9))
+        settings_of(make_eigenwalkers(n_components=0.9))
 
 
 def test_arguments_are_checked():
     vectors = np.random.default_rng(8).normal(size=(6, 4))
     labels = np.arange(6.0)
-    with pytest.raises(ValueError, match="between 1 and 4, which is what 5 walks"):
+    with pytest.raises(ValueError, match="between 1 and 4, which is what 0 controls, 5 walks"):
         loo_predict(vectors, labels, n_components=5)
     with pytest.raises(ValueError, match="whole number"):
         loo_predict(vectors, labels, n_components=1.5)

@@ -20,7 +20,7 @@ from eigenwalker.model import (
     nested_loo,
 )
 from eigenwalker.model._resampling import feature_axes, fit_weighted, fit_without_each, predict_weighted
-from eigenwalker.model._sample import Reduction, Sample
+from eigenwalker.model._sample import Reduction, take_sample
 from eigenwalker.model.bootstrap import bca_interval
 
 
@@ -50,7 +50,7 @@ def test_a_person_drawn_twice_counts_twice(n_features, scaling, direction):
     labels = random.normal(size=(10, 2))[persons]
     labels[persons == 4, 1] = np.nan
     counts = np.array([2, 1, 0, 1, 3, 0, 1, 1, 0, 1])
-    sample = Sample(vectors, persons, 1)
+    sample = take_sample(vectors, persons, None)
     fit = fit_weighted(sample, labels, counts, Reduction(4, scaling))
     model, axes = fit_copies(vectors, labels, persons, counts, 4, scaling, direction)
     assert_allclose(feature_axes(fit, direction), axes, atol=1e-10)
@@ -63,7 +63,7 @@ def test_nobody_left_out_is_fitted_anew(scaling):
     persons = np.repeat(np.arange(7), [1, 2, 3, 2, 1, 2, 2])
     vectors, labels = random.normal(size=(13, 9)), random.normal(size=(13, 2))
     labels[2, 1] = np.nan
-    sample, reduction = Sample(vectors, persons, 1), Reduction(4, scaling)
+    sample, reduction = take_sample(vectors, persons, None), Reduction(4, scaling)
     for person, fit in enumerate(fit_without_each(sample, labels, reduction)):
         expected = fit_weighted(sample, labels, (np.arange(7) != person).astype(int), reduction)
         for direction in ("pattern", "filter"):
@@ -171,7 +171,7 @@ def test_planted_axes_are_found_the_better_the_more_walkers(walkers):
         parts = np.arange(160).reshape(-1, n_walkers)
         found = []
         for part in parts:
-            sample = Sample(vectors[part], np.arange(n_walkers), 1)
+            sample = take_sample(vectors[part], None, None)
             fit = fit_weighted(sample, happy[part], np.ones(n_walkers, dtype=int), Reduction(10, "blocks"))
             axis = feature_axes(fit, "pattern")[0]
             one, other = axis / fit.scales, planted / fit.scales
@@ -187,7 +187,7 @@ def test_nested_accuracy_is_not_above_that_of_fresh_walkers(walkers):
     known, fresh = np.arange(160) < 50, np.arange(160) >= 50
     nested = nested_loo(vectors[known], codes[known], n_components=range(2, 21), scaling="blocks")
     chosen = int(np.median(nested.n_components))
-    sample = Sample(vectors[known], np.arange(50), 1)
+    sample = take_sample(vectors[known], None, None)
     fit = fit_weighted(sample, codes[known, np.newaxis], np.ones(50, dtype=int), Reduction(chosen, "blocks"))
     accuracy = np.mean(predict_weighted(fit, vectors[fresh])[:, 0] * codes[fresh] > 0)
     width = 1.96 * np.sqrt(accuracy * (1 - accuracy) * (1 / 50 + 1 / 110))

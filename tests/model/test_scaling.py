@@ -55,9 +55,9 @@ def test_shares_add_up(vectors):
 
 
 def test_wrong_use_is_refused(vectors):
-    with pytest.raises(ValueError, match="posture features beside n_scalars=8 single ones, got 8"):
-        BlockScaler(8).fit(vectors)
-    with pytest.raises(ValueError, match="unit must be one of 'blocks', 'features', 'noise'"):
+    with pytest.raises(ValueError, match="at least the n_scalars=9 single features, got 8"):
+        BlockScaler(9).fit(vectors)
+    with pytest.raises(ValueError, match="unit must be one of 'blocks', 'features', 'noise', None"):
         BlockScaler(unit="metres").fit(vectors)
     with pytest.raises(ValueError, match="needs to know which person each walk is of; pass groups"):
         BlockScaler(unit="noise").fit(vectors)

@@ -37,6 +37,7 @@ def test_is_least_squares_with_intercept(data):
 
 @pytest.mark.parametrize("unit", ["sd", "label", "coefficient"])
 @pytest.mark.parametrize("direction", ["pattern", "filter"])
+@pytest.mark.filterwarnings("ignore::eigenwalker.model.OutsideDataWarning")
 def test_alpha_round_trip(data, unit, direction):
     scores, labels = data
     axes = TraitRegressor(alpha_unit=unit, direction=direction).fit(scores, labels)
@@ -57,6 +58,7 @@ def test_one_unit_is_a_standard_deviation_over_persons(data):
     assert_allclose(alphas.reshape(20, 3, 2).mean(axis=1).std(axis=0, ddof=1), 1)
 
 
+@pytest.mark.filterwarnings("ignore::eigenwalker.model.OutsideDataWarning")
 def test_filter_with_coefficient_is_equation_six(data):
     """Troje 2002, Eq. 6: the step for alpha is alpha c'."""
     scores, labels = data
