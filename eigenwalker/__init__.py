@@ -18,7 +18,7 @@ from eigenwalker.model import (
     walk_at,
 )
 from eigenwalker.motion import TROJE15, JointWalk, MarkerSet, Skeleton, Walk, WalkPreparer, prepare, walk_quality
-from eigenwalker.persistence import load_model, save_model
+from eigenwalker.persistence import describe_model, load_model, save_model
 
 __all__ = [
     "TROJE15",
@@ -32,6 +32,7 @@ __all__ = [
     "Walk",
     "WalkError",
     "WalkPreparer",
+    "describe_model",
     "hybrid_walk",
     "load_model",
     "make_eigenwalkers",

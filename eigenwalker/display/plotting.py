@@ -3,55 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from io import BytesIO
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eigenwalker._validation import check_walks
+from eigenwalker.display._canvas import figure_of, take_axes, to_png
+from eigenwalker.display.body import draw_bodies, find_azimuth, project
 from eigenwalker.motion.fourier import evaluate_harmonics, fit_harmonics, reference_phase, shift_phase
 from eigenwalker.motion.phase import phase_weights, stride_frequency
-from eigenwalker.motion.skeleton import MarkerSet
 from eigenwalker.motion.walk import JointWalk, Walk
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["StickFigureDisplay", "project"]
-
-VIEWS = {"frontal": 0.0, "half-profile": 30.0, "side": 90.0}
-"""Azimuth of the named views, in degrees (Troje 2002, section 4)."""
-
-
-def project(positions: NDArray[np.floating], azimuth: float) -> NDArray[np.float64]:
-    """Return what an observer sees of markers, by orthographic projection.
-
-    Parameters
-    ----------
-    positions : ndarray of shape (..., 3)
-        In metres; x forward, y left, z up.
-    azimuth : float
-        Where the observer stands, in degrees: 0 in front of the walker, 90 at its right side, so that it walks to
-        the right of the picture.
-
-    Returns
-    -------
-    ndarray of shape (..., 3)
-        To the right in the picture, up, and towards the observer, in metres.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from eigenwalker.display import project
-    >>> project(np.array([1.0, 0.0, 1.7]), 90).round(6) + 0
-    array([1. , 1.7, 0. ])
-    """
-    angle = np.deg2rad(azimuth)
-    x, y, z = np.moveaxis(np.asarray(positions, dtype=np.float64), -1, 0)
-    right = x * np.sin(angle) + y * np.cos(angle)
-    near = x * np.cos(angle) - y * np.sin(angle)
-    return np.stack((right, z, near), axis=-1)
+__all__ = ["StickFigureDisplay"]
 
 
 class StickFigureDisplay:
@@ -114,10 +81,7 @@ class StickFigureDisplay:
         StickFigureDisplay
         """
         walks = check_walks(walks, kind=Walk)
-        if isinstance(view, str) and view not in VIEWS:
-            raise ValueError(f"view must be one of {', '.join(VIEWS)} or an azimuth in degrees, got {view!r}")
-        azimuth = VIEWS[view] if isinstance(view, str) else float(view)
-        return cls(walks, azimuth=azimuth, n_phases=n_phases).plot(ax=ax)
+        return cls(walks, azimuth=find_azimuth(view), n_phases=n_phases).plot(ax=ax)
 
     def plot(self, ax: Axes | None = None) -> Self:
         """Draw on the given axes, or on new ones.
@@ -131,15 +95,8 @@ class StickFigureDisplay:
         -------
         self
         """
-        from matplotlib.figure import Figure
-
-        if ax is None:
-            figure = Figure(figsize=(1.1 * self.n_phases + 1.2, 2.2 * len(self.walks) + 0.2), layout="constrained")
-            ax = figure.add_subplot()
-        self.ax_ = ax
-        figure_of_ax = ax.get_figure(root=True)
-        assert figure_of_ax is not None  # axes live on a figure
-        self.figure_ = figure_of_ax
+        (ax,) = take_axes(ax, (1.1 * self.n_phases + 1.2, 2.2 * len(self.walks) + 0.2))
+        self.ax_, self.figure_ = ax, figure_of(ax)
         postures = [_postures(walk, self.n_phases) for walk in self.walks]
         seen = [project(posture, self.azimuth) for posture in postures]
         width = 1.15 * max(np.ptp(picture[..., 0]) for picture in seen)
@@ -149,7 +106,8 @@ class StickFigureDisplay:
             offsets = np.column_stack(
                 (np.arange(self.n_phases) * width - picture[..., 0].mean(), np.full(self.n_phases, floor))
             )
-            _draw_figures(ax, walk.marker_set, picture, offsets)
+            picture[..., :2] += offsets[:, np.newaxis]
+            draw_bodies(ax, walk.marker_set, picture)
             ax.plot([-0.5 * width, (self.n_phases - 0.5) * width], [floor, floor], color="0.8", lw=0.8, zorder=0)
             ax.text(-0.48 * width, floor - 0.02 * height, walk.name, ha="left", va="top")
         ax.set_aspect("equal", anchor="N")
@@ -158,9 +116,7 @@ class StickFigureDisplay:
 
     def _repr_png_(self) -> bytes:
         """Show the figure in a notebook."""
-        picture = BytesIO()
-        self.figure_.savefig(picture, format="png", dpi=90)
-        return picture.getvalue()
+        return to_png(self.figure_)
 
 
 def _postures(walk: Walk, n_phases: int) -> NDArray[np.float64]:
@@ -171,22 +127,3 @@ def _postures(walk: Walk, n_phases: int) -> NDArray[np.float64]:
     coefficients = shift_phase(coefficients, reference_phase(coefficients, phase_weights(walk)))
     channels = evaluate_harmonics(coefficients, frequency, np.arange(n_phases) / (n_phases * frequency))
     return channels.reshape(n_phases, -1, 3)  # (n_phases, 3 n_markers) -> (n_phases, n_markers, 3)
-
-
-def _draw_figures(ax: Axes, markers: MarkerSet, picture: NDArray[np.float64], offsets: NDArray[np.float64]) -> None:
-    """Draw all postures of a walk: sticks that are nearer to the observer darker and on top, dots for the markers."""
-    from matplotlib.collections import LineCollection
-
-    points = picture[..., :2] + offsets[:, np.newaxis]  # (n_phases, n_markers, 2)
-    ends = np.array([[markers.index(first), markers.index(second)] for first, second in markers.sticks], dtype=int)
-    if len(ends):
-        depth = picture[..., 2] - picture[..., 2].mean(axis=1, keepdims=True)
-        near = (depth[:, ends].mean(axis=2) / max(float(np.abs(depth).max()), 1e-9)).ravel()  # (n_phases n_sticks,)
-        order = np.argsort(near, kind="stable")
-        segments = points[:, ends].reshape(-1, 2, 2)[order]  # (n_phases, n_sticks, 2, 2) -> (n_phases n_sticks, 2, 2)
-        grays = [str(round(gray, 3)) for gray in 0.4 - 0.35 * near[order]]
-        ax.add_collection(LineCollection(list(segments), colors=grays, linewidths=1.6, capstyle="round", zorder=2))
-    ax.scatter(points[..., 0].ravel(), points[..., 1].ravel(), s=7, color="black", zorder=4, linewidths=0)
-    if "head" in markers.names:
-        head = points[:, markers.index("head")]
-        ax.scatter(head[:, 0], head[:, 1], s=60, color="black", zorder=4, linewidths=0)

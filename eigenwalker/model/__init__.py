@@ -1,6 +1,7 @@
 """The statistics: walks as vectors, Eigenwalkers, trait axes, and back."""
 
 from eigenwalker.model._guards import LeakageWarning, OutsideDataWarning
+from eigenwalker.model.statistics import AxisStatistics, axis_statistics
 from eigenwalker.model.blocks import block_weights, feature_parts
 from eigenwalker.model.discriminant import TraitClassifier
 from eigenwalker.model.eigenwalkers import axis_features, axis_shares, make_eigenwalkers, settings_of
@@ -17,11 +18,13 @@ from eigenwalker.model.inference import (
     nested_loo,
     permutation_test,
 )
+from eigenwalker.model.intervals import score_interval
 from eigenwalker.model.linearization import FourierLinearizer
 from eigenwalker.model.scaling import BlockScaler
 from eigenwalker.model.traits import TraitRegressor
 
 __all__ = [
+    "AxisStatistics",
     "BlockScaler",
     "BootstrapResult",
     "FourierLinearizer",
@@ -34,6 +37,7 @@ __all__ = [
     "TraitRegressor",
     "axis_features",
     "axis_shares",
+    "axis_statistics",
     "block_weights",
     "bootstrap_axes",
     "feature_parts",
@@ -44,6 +48,7 @@ __all__ = [
     "make_eigenwalkers",
     "nested_loo",
     "permutation_test",
+    "score_interval",
     "settings_of",
     "walk_along_axis",
     "walk_at",

@@ -1,10 +1,12 @@
-"""What a generated walk is warned about: how far it lies from the walkers that were learned from."""
+"""Warnings: of walks that lie outside of what was learned from, and of walks of one person on both sides of a split."""
 
+import re
 import warnings
+from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.stats import f as fisher
 
 __all__ = [
@@ -14,6 +16,7 @@ __all__ = [
     "distance_limit",
     "distances",
     "share_beyond",
+    "warn_leakage",
     "warn_outside",
 ]
 
@@ -75,3 +78,39 @@ def warn_outside(distance: NDArray[np.float64], limit: float, names: Sequence[st
         OutsideDataWarning,
         stacklevel=stacklevel,
     )
+
+
+def warn_leakage(names: Sequence[str], groups: ArrayLike | None) -> list[str]:
+    """Warn if walks look like several of one person by their names, and nobody says who is who; return the warning.
+
+    Names that repeat are of one person; of names with two numbers that vary, such as "S01_0003" or "07_walk_02", the
+    first is taken for the person and what follows for the trial.
+    """
+    if groups is not None:
+        return []
+    persons = _persons_by_name(names)
+    several = {person: count for person, count in Counter(persons).items() if count > 1}
+    if not several:
+        return []
+    shown = [f"{person!r} {count} times" for person, count in several.items()]
+    shown = shown if len(shown) < 4 else [*shown[:3], "..."]
+    text = (
+        f"{len(names)} walks look like those of {len(set(persons))} persons by their names ({', '.join(shown)}), "
+        "but no groups are given: walks of one person are on both sides of a split, and scores are too good. Pass "
+        "groups, the person of each walk; range(len(walks)) if each is another person's"
+    )
+    warnings.warn(text, LeakageWarning, stacklevel=3)
+    return [text]
+
+
+def _persons_by_name(names: Sequence[str]) -> list[str]:
+    """Return the part of each name that stands for a person, or the name."""
+    tokens = [re.split(r"[_\-\s.]+", name) for name in names]
+    n_tokens = {len(parts) for parts in tokens}
+    if len(n_tokens) != 1:
+        return list(names)
+    varied = [place for place in range(n_tokens.pop()) if len({parts[place] for parts in tokens}) > 1]
+    numbered = [place for place in varied if all(re.search(r"\d", parts[place]) for parts in tokens)]
+    if len(numbered) < 2:
+        return list(names)
+    return ["_".join(parts[place] for place in varied if place <= numbered[0]) for parts in tokens]

@@ -7,13 +7,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigenwalker.model._control import free_directions, take_out, unit_columns
-from eigenwalker.model._folds import leave_out_persons
+from eigenwalker.model._folds import Fold, leave_out_persons
 from eigenwalker.model._persons import mean_by_person
 from eigenwalker.model._principal import inverse_squares, principal_axes
 from eigenwalker.model._sample import Reduction, Sample
 from eigenwalker.model.scaling import BlockScaler, feature_scales
 
-__all__ = ["WeightedFit", "feature_axes", "fit_weighted", "fit_without_each", "predict_weighted", "varies"]
+__all__ = [
+    "WeightedFit",
+    "feature_axes",
+    "fit_weighted",
+    "fit_without_each",
+    "midpoints_without_each",
+    "predict_weighted",
+    "varies",
+]
 
 
 class WeightedFit(NamedTuple):
@@ -122,22 +130,49 @@ def _spread(
     return np.sqrt(np.asarray(weights @ centered**2 / max(weights.sum() - 1, 1.0), dtype=np.float64))
 
 
-def fit_without_each(sample: Sample, codes: NDArray[np.float64], reduction: Reduction) -> Iterator[WeightedFit]:
-    """Yield the fit without each person in turn, from `leave_out_persons`; the scales are within the axes."""
+class _Others(NamedTuple):
+    """A fold with the others' scores, shape (n_others, n_components), and the axes learned from them."""
+
+    fold: Fold
+    scores: NDArray[np.float64]
+    intercept: NDArray[np.float64]
+    filters: NDArray[np.float64]
+
+
+def _learn_without_each(sample: Sample, codes: NDArray[np.float64], reduction: Reduction) -> Iterator[_Others]:
     folds = leave_out_persons(sample, reduction)
     for batch in folds.batches:
         for fold in batch.folds(folds.coordinates):
-            vectors, n_others = sample.vectors[fold.others], len(fold.others)
-            mean = vectors.mean(axis=0)
             scores = (folds.coordinates[fold.others] - fold.center) @ fold.axes.T
-            ones, controls = np.ones(n_others), sample.controls[fold.others]
+            ones, controls = np.ones(len(fold.others)), sample.controls[fold.others]
             intercept, filters = _fit_traits(scores, codes[fold.others], ones, fold.squares, controls)
-            everybody = np.ones(sample.n_persons, dtype=np.intp)
-            spread = _spread(scores @ filters.T, sample.persons[fold.others], everybody)
-            # What a score of 1 changes in the features: their covariance with it over its variance.
-            axes = scores.T @ (vectors - mean) * inverse_squares(fold.squares, n_others)[:, np.newaxis]
-            variances = fold.squares / (n_others - 1)
-            yield WeightedFit(mean, np.ones(len(mean)), axes, variances, filters, intercept, spread)
+            yield _Others(fold, scores, intercept, filters)
+
+
+def fit_without_each(sample: Sample, codes: NDArray[np.float64], reduction: Reduction) -> Iterator[WeightedFit]:
+    """Yield the fit without each person in turn, from `leave_out_persons`; the scales are within the axes."""
+    for fold, scores, intercept, filters in _learn_without_each(sample, codes, reduction):
+        vectors, n_others = sample.vectors[fold.others], len(fold.others)
+        mean = vectors.mean(axis=0)
+        everybody = np.ones(sample.n_persons, dtype=np.intp)
+        spread = _spread(scores @ filters.T, sample.persons[fold.others], everybody)
+        # What a score of 1 changes in the features: their covariance with it over its variance.
+        axes = scores.T @ (vectors - mean) * inverse_squares(fold.squares, n_others)[:, np.newaxis]
+        variances = fold.squares / (n_others - 1)
+        yield WeightedFit(mean, np.ones(len(mean)), axes, variances, filters, intercept, spread)
+
+
+def midpoints_without_each(sample: Sample, codes: NDArray[np.float64], reduction: Reduction) -> NDArray[np.float64]:
+    """Return midway between the groups' mean fitted labels among the others, shape (n_walks, n_traits).
+
+    It is the boundary of ``TraitClassifier(boundary="midpoint")`` without each person in turn; for traits coded -1, +1.
+    """
+    midpoints = np.empty_like(codes)
+    for fold, scores, intercept, filters in _learn_without_each(sample, codes, reduction):
+        fitted, others = intercept + scores @ filters.T, codes[fold.others]
+        means = [np.where(others == code, fitted, 0.0).sum(axis=0) / (others == code).sum(axis=0) for code in (-1, 1)]
+        midpoints[fold.left_out] = (means[0] + means[1]) / 2
+    return midpoints
 
 
 def predict_weighted(fit: WeightedFit, vectors: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -6,7 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import rankdata
 
-__all__ = ["SCORES", "TWO_VALUED_SCORES", "score_columns"]
+from eigenwalker.model._persons import mean_by_person
+
+__all__ = ["SCORES", "TWO_VALUED_SCORES", "by_person", "score_columns"]
 
 Columns = NDArray[np.float64]
 
@@ -27,6 +29,28 @@ def score_columns(predicted: Columns, labels: Columns, score: str) -> Columns:
         NaN where there is only one class; an r of 0 where nothing varies.
     """
     return SCORES[score](predicted, labels)
+
+
+def by_person(
+    predicted: NDArray[np.float64], labels: NDArray[np.float64], persons: NDArray[np.intp]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the mean prediction and the label of each person; of each walk where persons have several labels.
+
+    Walks without a label (NaN) do not count.
+
+    Parameters
+    ----------
+    predicted, labels : ndarray of shape (n_walks,)
+        Of one trait.
+    persons : ndarray of int of shape (n_walks,)
+        Which person each walk is of.
+    """
+    known = ~np.isnan(labels)
+    predicted, labels = predicted[known], labels[known]
+    _, firsts, numbers = np.unique(persons[known], return_index=True, return_inverse=True)
+    if not np.array_equal(labels[firsts][numbers], labels):
+        return predicted, labels
+    return mean_by_person(predicted[:, np.newaxis], numbers)[:, 0], labels[firsts]
 
 
 def _accuracies(predicted: Columns, labels: Columns) -> Columns:

@@ -9,10 +9,9 @@ from sklearn.base import TransformerMixin
 from sklearn.utils import check_random_state
 
 from eigenwalker._validation import check_choice
-from eigenwalker.model._persons import mean_by_person, number_persons
 from eigenwalker.model._resampling import fit_weighted, predict_weighted, varies
 from eigenwalker.model._sample import Reduction, Sample, control_sample, take_labels, take_reduction, take_sample
-from eigenwalker.model._scores import SCORES, TWO_VALUED_SCORES, score_columns
+from eigenwalker.model._scores import SCORES, TWO_VALUED_SCORES, by_person, score_columns
 
 __all__ = ["LearningCurve", "learning_curve_walkers"]
 
@@ -168,13 +167,5 @@ def _score_apart(
     """Return the score of the persons kept apart, shape (n_traits,)."""
     walks = np.isin(sample.persons, tested)
     predicted = predict_weighted(fit_weighted(sample, codes, counts, reduction), sample.vectors[walks])
-    scores = []
-    for guess, truth in zip(predicted.T, codes[walks].T, strict=True):
-        known = ~np.isnan(truth)
-        pair = np.column_stack((guess, truth))[known]
-        persons = number_persons(sample.persons[walks][known], int(known.sum()))
-        means = mean_by_person(pair, persons)
-        if np.array_equal(means[persons, 1], pair[:, 1]):  # each has one label
-            pair = means
-        scores.append(score_columns(pair[:, :1], pair[:, 1:], score)[0])
-    return np.array(scores)
+    pairs = [by_person(*pair, sample.persons[walks]) for pair in zip(predicted.T, codes[walks].T, strict=True)]
+    return np.array([score_columns(guess[:, np.newaxis], truth[:, np.newaxis], score)[0] for guess, truth in pairs])

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.linalg import solve_triangular
 from sklearn.base import TransformerMixin
 
 from eigenwalker.model._control import free_directions, take_controls, take_out, unit_columns
@@ -19,6 +20,8 @@ from eigenwalker.model._sample import (
 )
 
 __all__ = ["loo_matrix", "loo_predict", "matrix_of_others", "predict_by_others"]
+
+_SMALLEST_DIAGONAL = 1e-6  # over the largest; below, digits would be lost
 
 
 def loo_predict(
@@ -269,8 +272,44 @@ def _predict_partial(
     if not known.any():
         raise ValueError("expected a label for at least one walk beside those left out, got none but missing ones")
     target = labels[fold.others[known]]
-    designs = [_designs(fold, coordinates, controls, number) for number in numbers]
+    found = _predict_by_triangles(fold, coordinates, known, target, controls, numbers)
+    if found is not None:
+        return found
+    designs = [_designs(fold, coordinates, controls, int(number)) for number in numbers]
     return np.stack([left_out @ np.linalg.lstsq(others[known], target)[0] for others, left_out in designs])
+
+
+def _predict_by_triangles(
+    fold: Fold,
+    coordinates: NDArray[np.float64],
+    known: NDArray[np.bool_],
+    target: NDArray[np.float64],
+    controls: NDArray[np.float64],
+    numbers: NDArray[np.intp],
+) -> NDArray[np.float64] | None:
+    """Return the same for all numbers from one decomposition, design = Q R; None where R is nearly singular.
+
+    The first k columns of design R^-1 are orthonormal, and span the first k of the design.
+    """
+    most = int(numbers.max())
+    axes = fold.axes[:most]
+    others, left_out = ((coordinates[walks] - fold.center) @ axes.T for walks in (fold.others, fold.left_out))
+    design = np.column_stack((np.ones(int(known.sum())), others[known]))
+    if len(design) < design.shape[1]:
+        return None
+    basis, triangle = np.linalg.qr(design)
+    sizes = np.abs(np.diagonal(triangle))
+    if sizes.min() < _SMALLEST_DIAGONAL * sizes.max():
+        return None
+    shared = np.zeros((design.shape[1], controls.shape[1]))
+    shared[1:] = others.T @ unit_columns(controls[fold.others])
+    shared = solve_triangular(triangle, shared, trans="T", check_finite=False)
+    rows = np.column_stack((np.ones(len(left_out)), left_out)).T
+    rows = solve_triangular(triangle, rows, trans="T", check_finite=False).T
+    moments = (basis.T @ target)[:, np.newaxis]
+    if not controls.shape[1]:
+        return np.cumsum(rows * moments[:, 0], axis=1)[:, numbers].T
+    return np.stack([(rows[:, : 1 + n] @ take_out(moments[: 1 + n], shared[: 1 + n]))[:, 0] for n in numbers])
 
 
 def _designs(

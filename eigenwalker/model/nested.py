@@ -4,11 +4,12 @@ from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 import numpy as np
+from joblib import Parallel, delayed
 from numpy.typing import ArrayLike, NDArray
 from sklearn.base import TransformerMixin
 
 from eigenwalker._validation import check_choice
-from eigenwalker.model._sample import Reduction, control_sample, take_components, take_labels, take_sample
+from eigenwalker.model._sample import Reduction, Sample, control_sample, take_components, take_labels, take_sample
 from eigenwalker.model.leave_one_out import predict_by_others
 
 __all__ = ["NestedResult", "nested_loo"]
@@ -51,6 +52,7 @@ def nested_loo(
     n_scalars: int | None = None,
     weights: Mapping[str, float] | ArrayLike | None = None,
     linearizer: TransformerMixin | None = None,
+    n_jobs: int | None = None,
 ) -> NestedResult:
     """Return predictions of persons left out, with the number of components chosen on the others alone.
 
@@ -71,6 +73,8 @@ def nested_loo(
         groups (two words, or -1 and +1), error for numbers.
     scaling, groups, control, n_scalars, weights, linearizer
         See `loo_predict`.
+    n_jobs : int, default None
+        Processes, as joblib counts them. The result does not depend on it.
 
     Returns
     -------
@@ -107,12 +111,14 @@ def nested_loo(
     numbers = take_components(n_components, sample, n_left_out=2)
     reduction = Reduction(int(numbers.max()), scaling)
     everyone = predict_by_others(sample, labels.codes, reduction, numbers)  # (n_candidates, n_walks, n_traits)
+    without = [sample.persons != person for person in range(sample.n_persons)]
+    chosen = Parallel(n_jobs=n_jobs)(
+        delayed(_choose_without)(sample.take(others), labels.codes[others], reduction, numbers, by_accuracy)
+        for others in without
+    )
     choices = np.empty(labels.codes.shape, dtype=np.intp)
-    for person in range(sample.n_persons):
-        others = sample.persons != person
-        inner = sample.take(others)
-        predicted = predict_by_others(inner, labels.codes[others], reduction, numbers)
-        choices[~others] = _choose(_goodness(predicted, labels.codes[others], inner.persons, by_accuracy))
+    for others, choice in zip(without, chosen, strict=True):
+        choices[~others] = choice
     predictions = np.take_along_axis(everyone, choices[np.newaxis], axis=0)
     sign = np.where(by_accuracy, 1.0, -1.0)
     score = sign * _goodness(predictions, labels.codes, sample.persons, by_accuracy)[0]
@@ -121,6 +127,18 @@ def nested_loo(
     if not labels.is_single:
         return result
     return NestedResult(predictions[0, :, 0], numbers[choices][:, 0], score[0], numbers, curve[:, 0])
+
+
+def _choose_without(
+    sample: Sample,
+    codes: NDArray[np.float64],
+    reduction: Reduction,
+    numbers: NDArray[np.intp],
+    by_accuracy: NDArray[np.bool_],
+) -> NDArray[np.intp]:
+    """Return which of the numbers is best for some persons among themselves, for each trait."""
+    predicted = predict_by_others(sample, codes, reduction, numbers)
+    return _choose(_goodness(predicted, codes, sample.persons, by_accuracy))
 
 
 def _goodness(

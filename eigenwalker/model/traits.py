@@ -173,6 +173,24 @@ class TraitRegressor(RegressorMixin, TransformerMixin, BaseEstimator):
         length = unit_lengths(self._axes, self.alpha_unit)[trait]
         return float((label - self.intercept_[trait]) / length) if length > 0 else float("nan")
 
+    def to_label(self, alpha: float, trait: int = 0) -> float:
+        """Return the label that is predicted at an alpha.
+
+        Parameters
+        ----------
+        alpha : float
+            In `alpha_unit`.
+        trait : int, default 0
+            Position of the trait.
+
+        Returns
+        -------
+        float
+            As a number.
+        """
+        check_is_fitted(self)
+        return float(self.intercept_[trait] + alpha * unit_lengths(self._axes, self.alpha_unit)[trait])
+
     @property
     def _axes(self) -> Axes:
         return Axes(self.coef_, self.intercept_, self.mean_, self.covariance_, self.alpha_sd_)
