@@ -76,8 +76,10 @@ def axis_report(
     >>> walkers = make_walkers(40, random_state=0)
     >>> options = {"n_harmonics": [2], "n_permutations": 99, "n_resamples": 20, "random_state": 0}
     >>> report = axis_report(make_eigenwalkers(n_components=8), walkers.data, walkers.target["gender"], **options)
-    >>> report.to_frame().loc["gender", ["n_persons", "p"]].tolist()
-    [40, 0.01]
+    >>> report.to_frame()[["n_persons", "p"]]
+            n_persons     p
+    trait
+    gender         40  0.01
     """
     return AxisReport(axis_statistics(model, walks, y, groups=groups, control=control, sources=sources, **options))
 
