@@ -175,6 +175,7 @@ def axis_statistics(
         stability=bootstrap.stability,
         stability_low=np.quantile(bootstrap.cosines, 0.05, axis=0),
     )
+    summary = summary.rename_axis("trait")
     shares = axis_shares(fitted).rename_axis(columns="part").stack().rename("share")
     parts = score_parts(study).join(shares)[["share", "alone", "alone_low", "alone_high"]]
     components = score_components(study)
@@ -228,7 +229,7 @@ def _describe(study: Study, fitted: Pipeline) -> pd.DataFrame:
             "score": study.scores,
         },
         index=study.codes.columns,
-    ).rename_axis("trait")
+    )
 
 
 def _cosines(fitted: Pipeline) -> pd.DataFrame:
