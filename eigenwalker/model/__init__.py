@@ -1,7 +1,6 @@
 """The statistics: walks as vectors, Eigenwalkers, trait axes, and back."""
 
 from eigenwalker.model._guards import LeakageWarning, OutsideDataWarning
-from eigenwalker.model.statistics import AxisStatistics, axis_statistics
 from eigenwalker.model.blocks import block_weights, feature_parts
 from eigenwalker.model.discriminant import TraitClassifier
 from eigenwalker.model.eigenwalkers import axis_features, axis_shares, make_eigenwalkers, settings_of
@@ -21,7 +20,9 @@ from eigenwalker.model.inference import (
 from eigenwalker.model.intervals import score_interval
 from eigenwalker.model.linearization import FourierLinearizer
 from eigenwalker.model.scaling import BlockScaler
+from eigenwalker.model.statistics import AxisStatistics, axis_statistics
 from eigenwalker.model.traits import TraitRegressor
+from eigenwalker.model.walker_score import WalkerScore, score_walker
 
 __all__ = [
     "AxisStatistics",
@@ -35,6 +36,7 @@ __all__ = [
     "PermutationResult",
     "TraitClassifier",
     "TraitRegressor",
+    "WalkerScore",
     "axis_features",
     "axis_shares",
     "axis_statistics",
@@ -49,6 +51,7 @@ __all__ = [
     "nested_loo",
     "permutation_test",
     "score_interval",
+    "score_walker",
     "settings_of",
     "walk_along_axis",
     "walk_at",

@@ -295,7 +295,8 @@ class TraitRegressor(RegressorMixin, TransformerMixin, BaseEstimator):
         -------
         float
             From the F distribution (Hotelling), for normally distributed scores and as many walkers, or persons, as
-            were in training. Infinite where they are no more than components.
+            were in training. Infinite where they are no more than components. New walkers vary less than those in
+            training in the directions that PCA chose because these vary most in them: more than the share lie within.
         """
         check_is_fitted(self)
         return distance_limit(len(self.alphas_), len(self.mean_), share)
