@@ -22,6 +22,8 @@ from eigenwalker.display.axis_display import AxisDisplay
 from eigenwalker.display.curve_display import CurveDisplay
 from eigenwalker.display.permutation_display import PermutationDisplay
 from eigenwalker.display.scree_display import ScreeDisplay
+from eigenwalker.model.blocks import PARTS
+from eigenwalker.model.eigenwalkers import trait_axes
 from eigenwalker.model.statistics import AxisStatistics, axis_statistics
 from eigenwalker.motion.walk import JointWalk, Walk
 
@@ -109,7 +111,8 @@ class AxisReport:
     def to_frame(self) -> pd.DataFrame:
         """Return the numbers, one row a trait: the summary, and shares and scores of structure and dynamics."""
         parts = self.statistics.parts[["share", "alone"]].unstack("part")
-        parts.columns = [f"{part}_{what}" for what, part in parts.columns]
+        parts = parts.set_axis([f"{part}_{what}" for what, part in parts.columns], axis=1)
+        parts = parts[[f"{part}_{what}" for part in PARTS for what in ("share", "alone")]]
         return self.statistics.summary.join(parts)
 
     def plot_axis(self, trait: str, **options: Any) -> AxisDisplay:
@@ -224,7 +227,16 @@ class AxisReport:
     def _bodies(self, traits: Sequence[str]) -> str:
         if isinstance(self.statistics.model[0].template_, JointWalk):
             return "<p>Axes of joint angles are not drawn on the body.</p>"
-        return "".join(_picture(self.plot_axis(trait).figure_, f"what the axis of {trait} moves") for trait in traits)
+        alphas = {trait: self._two_sds(trait) for trait in traits}
+        return "".join(
+            _picture(self.plot_axis(trait, alpha=alpha).figure_, f"what the axis of {trait} moves")
+            for trait, alpha in alphas.items()
+        )
+
+    def _two_sds(self, trait: str) -> float:
+        """Return how much alpha two SDs over persons are, whatever its unit."""
+        axes, unit = trait_axes(self.statistics.model), self.statistics.summary.loc[trait, "unit"]
+        return float(f"{2 * axes.alpha_sd_[axes.trait_names_.index(trait)] / unit:.3g}")
 
     def _score_rows(self) -> pd.DataFrame:
         summary, n_permutations = self.statistics.summary, self.statistics.settings["n_permutations"]
@@ -274,7 +286,7 @@ def _cell(value: float, low: float, high: float) -> str:
 
 
 def _p_value(value: float, n_permutations: int) -> str:
-    digits = len(str(n_permutations)) - 1
+    digits = len(str(n_permutations))  # the smallest p, 1 / (1 + n_permutations), has no fewer
     return f"p = {value:.{digits}f}"
 
 
@@ -294,7 +306,10 @@ def _table(cells: pd.DataFrame) -> str:
 
 def _picture(figure: Figure, text: str) -> str:
     """Return a figure as part of the page."""
+    from matplotlib import rc_context
+
     drawing = BytesIO()
-    figure.savefig(drawing, format="svg", metadata={"Date": None})
+    with rc_context({"svg.hashsalt": "eigenwalker"}):  # the same page each time
+        figure.savefig(drawing, format="svg", metadata={"Date": None})
     data = base64.b64encode(drawing.getvalue()).decode()
     return f'<figure><img alt="{escape(text)}" src="data:image/svg+xml;base64,{data}"></figure>\n'

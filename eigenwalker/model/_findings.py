@@ -4,12 +4,12 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 __all__ = ["find_faults", "state_notes"]
 
 _CEILING = 0.99
-_STABLE = 0.7
+_STABLE = 0.8  # by chance alone 1 / sqrt(2): the noise of the axis, beside as much again of the resample
 _MOST_EXPLAINED = 0.5
 _FEWEST_PERSONS = 2  # to each component
 
@@ -19,6 +19,7 @@ def find_faults(
     parts: pd.DataFrame,
     components: pd.DataFrame,
     codes: pd.DataFrame,
+    persons: NDArray[np.intp],
     sources: ArrayLike | None,
     settings: dict[str, Any],
 ) -> list[str]:
@@ -27,7 +28,7 @@ def find_faults(
     for trait, row in summary.iterrows():
         alone = parts.loc[trait, "alone"]
         found = [
-            _confounded(codes[trait], sources),
+            _confounded(codes[trait], persons, sources),
             _by_chance(row),
             _at_the_ceiling(row, alone),
             _by_tempo(row),
@@ -39,16 +40,20 @@ def find_faults(
     return faults
 
 
-def _confounded(labels: pd.Series, sources: ArrayLike | None) -> str:
-    """Tell whether the label follows from where a walk was recorded."""
+def _confounded(labels: pd.Series, persons: NDArray[np.intp], sources: ArrayLike | None) -> str:
+    """Tell whether the label follows from where a walk was recorded; sources of one person each cannot tell."""
     if sources is None:
         return ""
-    known = labels.notna().to_numpy()
-    groups = labels[known].groupby(np.asarray(sources)[known])
-    if groups.ngroups < 2:
+    columns = {"label": labels.to_numpy(), "person": persons, "source": np.asarray(sources, dtype=object)}
+    table = pd.DataFrame(columns).dropna().drop_duplicates()
+    table = table[table.groupby("source", sort=False)["person"].transform("nunique") > 1]
+    groups = table.groupby("source", sort=False)["label"]
+    total = table["label"].var()
+    if groups.ngroups < 2 or not total > 0:
         return ""
-    total = ((labels[known] - labels[known].mean()) ** 2).sum()
-    share = 1 - ((labels[known] - groups.transform("mean")) ** 2).sum() / total
+    # Each variance over what is free in it, so that many small sources do not explain more than two large ones.
+    within = ((table["label"] - groups.transform("mean")) ** 2).sum() / (len(table) - groups.ngroups)
+    share = 1 - within / total
     if share < _MOST_EXPLAINED:
         return ""
     how = "always" if share > 1 - 1e-12 else f"to {share:.0%} of its variance"

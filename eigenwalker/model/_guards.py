@@ -51,7 +51,8 @@ def distance_limit(n_walkers: int, n_components: int, share: float = LIMIT) -> f
     """Return the distance within which a share of new walkers lie, if all are of one normal distribution.
 
     For n walkers in training and k components d^2 n (n - k) / (k (n^2 - 1)) of a new one has the F distribution with k
-    and n - k degrees of freedom (Hotelling). Infinite where n <= k.
+    and n - k degrees of freedom (Hotelling). Infinite where n <= k. Where the components were chosen as those in which
+    the training walkers vary most, others vary less in them, and more than the share lie within.
     """
     if n_walkers <= n_components:
         return float("inf")
@@ -83,19 +84,21 @@ def warn_outside(distance: NDArray[np.float64], limit: float, names: Sequence[st
 def warn_leakage(names: Sequence[str], groups: ArrayLike | None) -> list[str]:
     """Warn if walks look like several of one person by their names, and nobody says who is who; return the warning.
 
-    Names that repeat are of one person; of names with two numbers that vary, such as "S01_0003" or "07_walk_02", the
-    first is taken for the person and what follows for the trial.
+    Names that repeat are of one person, as are passes and strides of one recording; of names with two numbers that
+    vary, such as "S01_0003" or "07_walk_02", the first is taken for the person and what follows for the trial. Walks
+    without a name say nothing.
     """
     if groups is not None:
         return []
-    persons = _persons_by_name(names)
+    named = [name for name in names if name]
+    persons = _persons_by_name(named)
     several = {person: count for person, count in Counter(persons).items() if count > 1}
     if not several:
         return []
     shown = [f"{person!r} {count} times" for person, count in several.items()]
     shown = shown if len(shown) < 4 else [*shown[:3], "..."]
     text = (
-        f"{len(names)} walks look like those of {len(set(persons))} persons by their names ({', '.join(shown)}), "
+        f"{len(named)} walks look like those of {len(set(persons))} persons by their names ({', '.join(shown)}), "
         "but no groups are given: walks of one person are on both sides of a split, and scores are too good. Pass "
         "groups, the person of each walk; range(len(walks)) if each is another person's"
     )
@@ -105,6 +108,7 @@ def warn_leakage(names: Sequence[str], groups: ArrayLike | None) -> list[str]:
 
 def _persons_by_name(names: Sequence[str]) -> list[str]:
     """Return the part of each name that stands for a person, or the name."""
+    names = [re.sub(r"(_(pass|stride)\d+)+$", "", name) for name in names]
     tokens = [re.split(r"[_\-\s.]+", name) for name in names]
     n_tokens = {len(parts) for parts in tokens}
     if len(n_tokens) != 1:

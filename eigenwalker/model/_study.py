@@ -1,7 +1,7 @@
 """The scores of trait axes: of persons left out, of parts of the walk, against numbers of components and harmonics."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,12 +14,13 @@ from eigenwalker.model._control import take_controls
 from eigenwalker.model._labels import encode, learn_coding, tabulate
 from eigenwalker.model._persons import number_persons
 from eigenwalker.model._resampling import midpoints_without_each
-from eigenwalker.model._sample import control_sample, take_components, take_labels, take_reduction, take_sample
+from eigenwalker.model._sample import Reduction, Sample, take_components, take_labels, take_sample
 from eigenwalker.model._scores import by_person, score_columns
-from eigenwalker.model.blocks import PARTS, feature_parts, take_weights
+from eigenwalker.model.blocks import PARTS, feature_parts, fitting_weights, take_weights
+from eigenwalker.model.discriminant import TraitClassifier
 from eigenwalker.model.eigenwalkers import settings_of
 from eigenwalker.model.intervals import score_interval
-from eigenwalker.model.leave_one_out import loo_matrix, loo_predict
+from eigenwalker.model.leave_one_out import loo_predict, matrix_of_others
 from eigenwalker.model.linearization import FourierLinearizer
 from eigenwalker.model.nested import nested_loo
 from eigenwalker.model.permutation import PermutationResult, permutation_test
@@ -78,9 +79,14 @@ class Study:
         return {**self.settings, "groups": self.persons, "control": self.controls if self.controls.size else None}
 
     def rate(self, predicted: NDArray[np.float64], trait: int, score: str | None = None) -> list[float]:
-        """Return score, and low and high end of its interval, of the predictions of a trait, shape (n_walks,)."""
+        """Return score, and low and high end of its interval, of the predictions of a trait, shape (n_walks,).
+
+        NaN where some are missing.
+        """
         score = score or self.scores[trait]
         guess, truth = by_person(predicted, self.codes.iloc[:, trait].to_numpy(), self.persons)
+        if np.isnan(guess).any():
+            return [float("nan")] * 3
         value = float(score_columns(guess[:, np.newaxis], truth[:, np.newaxis], score)[0])
         return [value, *score_interval(guess, truth, score, level=self.level)]
 
@@ -100,10 +106,8 @@ def take_study(
     level: float,
 ) -> Study:
     """Return the study that a caller's arguments stand for."""
-    poles = getattr(model[-1], "poles", None)
-    table = tabulate(y, poles)
-    codes = pd.DataFrame(encode(table, learn_coding(table, poles)), columns=list(table))
-    controls, names = take_controls(control, len(walks), list(table))
+    codes = _take_codes(model, y)
+    controls, names = take_controls(control, len(walks), list(codes))
     return Study(
         clone(linearizer).set_output(transform="pandas").fit_transform(walks),
         codes,
@@ -115,6 +119,17 @@ def take_study(
     )
 
 
+def _take_codes(model: Pipeline, y: ArrayLike) -> pd.DataFrame:
+    """Return labels as the last step of a model codes them."""
+    poles = getattr(model[-1], "poles", None)
+    table = tabulate(y, poles)
+    codings = learn_coding(table, poles)
+    if isinstance(model[-1], TraitClassifier):  # numbers are names of its two groups
+        ends = {name: tuple(np.unique(table[name].dropna())) for name in table} | dict(poles or {})
+        codings = [coding._replace(poles=tuple(ends[coding.name]), two_valued=True) for coding in codings]
+    return pd.DataFrame(encode(table, codings), columns=list(table))
+
+
 def score_left_out(study: Study, predicted: NDArray[np.float64]) -> pd.DataFrame:
     """Return the score of persons left out, with its interval."""
     return study.rate_each(predicted, ["left_out", "left_out_low", "left_out_high"])
@@ -122,15 +137,12 @@ def score_left_out(study: Study, predicted: NDArray[np.float64]) -> pd.DataFrame
 
 def score_accuracy(study: Study, predicted: NDArray[np.float64]) -> pd.DataFrame:
     """Return the balanced accuracy of two groups, with the boundary midway between them; NaN for numbers."""
-    options = study.options
-    n_components, control = options.pop("n_components"), options.pop("control")
-    sample = take_sample(study.vectors, **options)
-    sample = control_sample(sample, control, take_labels(study.codes, len(study.codes)))
-    reduction = take_reduction(n_components, study.settings["scaling"], sample)
+    sample, reduction = _sample_of(study), _reduction_of(study)
     rows = np.full((study.codes.shape[1], 3), np.nan)
     grouped = np.flatnonzero(np.array(study.scores) == "auc")
     if len(grouped):
-        midpoints = midpoints_without_each(sample, study.codes.to_numpy()[:, grouped], reduction)
+        with np.errstate(invalid="ignore"):  # NaN where a person is the only one of a group
+            midpoints = midpoints_without_each(sample, study.codes.to_numpy()[:, grouped], reduction)
         for place, trait in enumerate(grouped):
             rows[trait] = study.rate(predicted[:, trait] - midpoints[:, place], int(trait), "balanced_accuracy")
     return pd.DataFrame(rows, index=study.codes.columns, columns=["accuracy", "accuracy_low", "accuracy_high"])
@@ -187,37 +199,54 @@ def score_components(study: Study) -> pd.DataFrame:
 def score_harmonics(
     study: Study, linearizer: FourierLinearizer, walks: _Walks, n_harmonics: Sequence[int]
 ) -> pd.DataFrame:
-    """Return the score of persons left out with each number of harmonics, all else equal."""
+    """Return the score of persons left out with each number of harmonics, all else equal.
+
+    NaN where the model's weights do not fit, or leave fewer features than components.
+    """
     rows = []
     for number in n_harmonics:
-        other = clone(linearizer).set_params(n_harmonics=int(number)).set_output(transform="pandas")
+        other = clone(linearizer).set_params(n_harmonics=number).set_output(transform="pandas")
         vectors = study.vectors if number == linearizer.n_harmonics else other.fit_transform(walks)
-        changed = replace(study, vectors=vectors)
-        predicted = loo_predict(vectors, study.codes, **study.options)
-        rows.append([changed.rate(column, trait)[0] for trait, column in enumerate(predicted.T)])
+        weights = fitting_weights(list(vectors), study.settings["weights"])
+        try:
+            predicted = loo_predict(vectors, study.codes, **study.options | {"weights": weights})
+        except ValueError:
+            predicted = np.full(study.codes.shape, np.nan)
+        rows.append([study.rate(column, trait)[0] for trait, column in enumerate(predicted.T)])
     return pd.DataFrame(rows, index=pd.Index(list(n_harmonics), name="harmonics"), columns=study.codes.columns)
 
 
 def permute(study: Study, n_permutations: int, random_state: int | None) -> dict[str, PermutationResult]:
-    """Return the permutation test of each trait: labels go from person to person, or from walk to walk of a person."""
+    """Return the permutation test of each trait: labels go from person to person, or from walk to walk of a person.
+
+    Walks without a label keep none: they count for the Eigenwalkers alone.
+    """
     fixed: dict[str, Any] = {"n_permutations": n_permutations, "random_state": random_state}
+    sample, reduction = _sample_of(study), _reduction_of(study)
+    numbers = np.array([reduction.n_components])
     results = {}
     for score, (name, codes) in zip(study.scores, study.codes.items(), strict=True):
         labelled = codes.notna().to_numpy()
+        matrix = matrix_of_others(sample, reduction, numbers, labelled)[0][np.ix_(labelled, labelled)]
         persons = study.persons[labelled]
-        if codes[labelled].groupby(persons).nunique().max() == 1:
-            results[str(name)] = permutation_test(study.vectors, codes, score=score, **study.options, **fixed)
-            continue
-        part = replace(study, persons=persons, controls=study.controls[labelled])
-        matrix = loo_matrix(study.vectors[labelled], **part.options)
-        results[str(name)] = permutation_test(matrix, codes[labelled], score=score, strata=persons, **fixed)
+        one_each = codes[labelled].groupby(persons).nunique().max() == 1
+        who = {"groups" if one_each else "strata": persons}
+        results[str(name)] = permutation_test(matrix, codes[labelled], score=score, **who, **fixed)
     return results
 
 
+def _sample_of(study: Study) -> Sample:
+    options = {name: study.settings[name] for name in ("scaling", "n_scalars", "weights")}
+    return take_sample(study.vectors, study.persons, **options)._replace(controls=study.controls.to_numpy())
+
+
+def _reduction_of(study: Study) -> Reduction:
+    return Reduction(study.settings["n_components"], study.settings["scaling"])
+
+
 def _numbers(study: Study, n_left_out: int = 1) -> list[int]:
-    """Return the numbers of components to compare, those of the model among them."""
-    sample = take_sample(study.vectors, study.persons, study.settings["scaling"], weights=study.settings["weights"])
-    sample = sample._replace(controls=study.controls.to_numpy())
-    numbers = take_components(None, sample, n_left_out=n_left_out)
-    most = max(_MOST_COMPONENTS, study.settings["n_components"])
-    return [int(number) for number in numbers if number <= most]
+    """Return the numbers of components to compare, those of the model among them where only one is left out."""
+    own = study.settings["n_components"]
+    numbers = take_components(None, _sample_of(study), n_left_out=n_left_out)
+    wanted = {int(number) for number in numbers if number <= max(_MOST_COMPONENTS, own)}
+    return sorted(wanted | {own} if n_left_out == 1 else wanted)

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from eigenwalker._validation import check_choice
 
-__all__ = ["PARTS", "block_weights", "feature_parts", "in_part", "take_weights"]
+__all__ = ["PARTS", "block_weights", "feature_parts", "fitting_weights", "in_part", "take_weights"]
 
 PARTS = ("structure", "dynamics")
 _SCALARS = ("frequency", "speed", "size")
@@ -35,7 +35,8 @@ def feature_parts(names: Iterable[str]) -> NDArray[np.str_]:
     >>> feature_parts(["mean_head_x", "sin1_head_x", "frequency"]).tolist()
     ['structure', 'dynamics', 'dynamics']
     """
-    return np.array(["structure" if name.split("_")[0] in _STRUCTURE else "dynamics" for name in names])
+    parts = ["structure" if name.split("_")[0] in _STRUCTURE else "dynamics" for name in names]
+    return np.array(parts, dtype=np.str_)
 
 
 def in_part(names: Collection[str], part: str | None) -> NDArray[np.bool_]:
@@ -77,7 +78,7 @@ def block_weights(names: Iterable[str], weights: Mapping[str, float]) -> NDArray
     keys = [_keys(name) for name in names]
     known = dict.fromkeys(key for several in keys for key in several)
     faults = [f"{key!r} fits no feature" for key in weights if key not in known]
-    faults += [f"{key!r} has the weight {value!r}" for key, value in weights.items() if not 0 <= value < np.inf]
+    faults += [f"{key!r} has the weight {value!r}" for key, value in weights.items() if not _is_weight(value)]
     if faults:
         shown = [key for key in known if key.count("_") < 2][:30]
         raise ValueError(
@@ -86,6 +87,20 @@ def block_weights(names: Iterable[str], weights: Mapping[str, float]) -> NDArray
         )
     found = np.array([np.prod([weights.get(key, 1.0) for key in several]) for several in keys])
     return _check_any(found)
+
+
+def _is_weight(value: object) -> bool:
+    return isinstance(value, int | float | np.integer | np.floating) and bool(0 <= value < np.inf)
+
+
+def fitting_weights(
+    names: Iterable[str], weights: Mapping[str, float] | ArrayLike | None
+) -> Mapping[str, float] | ArrayLike | None:
+    """Return weights by name without those that fit no feature; other weights as they are."""
+    if not isinstance(weights, Mapping):
+        return weights
+    known = {key for name in names for key in _keys(name)}
+    return {key: value for key, value in weights.items() if key in known}
 
 
 def _keys(name: str) -> tuple[str, ...]:

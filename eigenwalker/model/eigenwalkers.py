@@ -156,7 +156,7 @@ def settings_of(model: Pipeline) -> dict[str, Any]:
     {'n_components': 5, 'scaling': 'blocks', 'n_scalars': 1, 'weights': None}
     """
     steps = [step for _, step in split_model(model)[2].steps]
-    scaler = steps[0] if isinstance(steps[0], BlockScaler) else BlockScaler(unit=None)
+    scaler = steps[0] if steps and isinstance(steps[0], BlockScaler) else BlockScaler(unit=None)
     kinds = [type(step) for step in steps if step is not scaler]
     if kinds != [PCA] or scaler.tolerance != BlockScaler().tolerance:
         listed = ", ".join(map(repr, steps))

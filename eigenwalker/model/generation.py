@@ -5,6 +5,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
+import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 from sklearn.pipeline import Pipeline
 
@@ -54,8 +55,8 @@ def walk_along_axis(
     Raises
     ------
     ValueError
-        If the trait is unknown, or an alpha is so far out that the frequency is not positive; the error says how far
-        alpha can go.
+        If a trait or part is unknown, or an alpha is not finite or so far out that the frequency is not positive; the
+        error says how far alpha can go.
 
     Warns
     -----
@@ -108,6 +109,8 @@ def walk_at(
     Walk or JointWalk
         On the treadmill.
     """
+    if not alphas:
+        raise ValueError("alphas must have one trait or more, {'happy': 1.0}, got none")
     names = [_trait_name(model, name) for name in alphas]
     values = np.array([list(alphas.values())], dtype=np.float64)
     return _walks(model, names, values, base, hold, part)[0]
@@ -182,10 +185,16 @@ def _walks(
     hold: Sequence[str],
     part: str | None,
 ) -> list[Walk | JointWalk]:
-    hold = [_trait_name(model, held) for held in hold]
+    if isinstance(hold, str):
+        raise ValueError(f"hold must be a sequence of traits, ({hold!r},), got {hold!r}")
+    if not np.isfinite(alphas).all():
+        raise ValueError(f"alphas must be finite, got {', '.join(map(str, alphas[~np.isfinite(alphas)]))}")
+    hold = list(dict.fromkeys(_trait_name(model, held) for held in hold))
     both = sorted(set(names) & set(hold))
     if both:
         raise ValueError(f"a trait is either set or held, got both for {', '.join(both)}")
+    if not len(alphas):
+        return []
     axes, specified = trait_axes(model), [*names, *hold]
     _, linearizer, reduction = split_model(model)
     start = _start(model, base)
@@ -199,9 +208,16 @@ def _walks(
     labels = [_label(names, row) for row in alphas]
     column = list(features).index("frequency")
     _check_reachable(start.vector[0, column], vectors[:, column], own[0, : len(names)], alphas, labels)
-    warn_outside(distances(scores - axes.mean_, axes.covariance_), axes.distance_limit(), labels, stacklevel=4)
+    # With a part alone these are not the scores stepped to.
+    reached = np.asarray(reduction.transform(_with_names(vectors, features, reduction)))
+    warn_outside(distances(reached - axes.mean_, axes.covariance_), axes.distance_limit(), labels, stacklevel=4)
     walks = linearizer.inverse_transform(vectors)
     return [replace(walk, name=label, **start.kept) for walk, label in zip(walks, labels, strict=True)]
+
+
+def _with_names(vectors: NDArray[np.float64], names: NDArray[np.object_], steps: Pipeline) -> ArrayLike:
+    """Return vectors as steps were fitted to them: with the names of features, or without."""
+    return pd.DataFrame(vectors, columns=names) if hasattr(steps[0], "feature_names_in_") else vectors
 
 
 def _check_reachable(

@@ -8,7 +8,7 @@ from scipy.optimize import brentq
 from scipy.special import ndtri
 
 from eigenwalker._validation import check_choice
-from eigenwalker.model._scores import SCORES, score_columns
+from eigenwalker.model._scores import SCORES, TWO_VALUED_SCORES, score_columns
 
 __all__ = ["score_interval"]
 
@@ -44,6 +44,11 @@ def score_interval(
     low, high : float
         NaN where the score is not defined.
 
+    Raises
+    ------
+    ValueError
+        If there is not one prediction a label, if values are missing, or if labels are others than the score is for.
+
     Examples
     --------
     >>> import numpy as np
@@ -57,17 +62,28 @@ def score_interval(
     if not 0 < level < 1:
         raise ValueError(f"level must be between 0 and 1, got {level!r}")
     predicted, labels = (np.asarray(values, dtype=np.float64) for values in (predicted, labels))
+    _check(predicted, labels, score)
     value = float(score_columns(predicted[:, np.newaxis], labels[:, np.newaxis], score)[0])
     if not np.isfinite(value):
         return float("nan"), float("nan")
     return _INTERVALS[score](value, predicted, labels, float(ndtri((1 + level) / 2)))
 
 
+def _check(predicted: NDArray[np.float64], labels: NDArray[np.float64], score: str) -> None:
+    if predicted.ndim != 1 or predicted.shape != labels.shape or not len(labels):
+        raise ValueError(f"expected one prediction and one label a person, got {predicted.shape} and {labels.shape}")
+    if not np.isfinite([predicted, labels]).all():
+        raise ValueError("expected predictions and labels of all persons, got missing or infinite ones; leave them out")
+    if score in TWO_VALUED_SCORES and not np.isin(labels, (-1.0, 1.0)).all():
+        raise ValueError(f"score={score!r} needs labels of -1 and +1, got others; use score='r' for numbers")
+
+
 def _wilson(share: float, n_trials: int, z: float) -> Interval:
     middle = share + z**2 / (2 * n_trials)
     half = z * np.sqrt(share * (1 - share) / n_trials + z**2 / (4 * n_trials**2))
     scale = 1 + z**2 / n_trials
-    return max(0.0, float((middle - half) / scale)), min(1.0, float((middle + half) / scale))
+    low, high = float((middle - half) / scale), float((middle + half) / scale)
+    return max(0.0, min(low, share)), min(1.0, max(high, share))  # but for rounding the share is within
 
 
 def _accuracy(value: float, predicted: NDArray[np.float64], labels: NDArray[np.float64], z: float) -> Interval:

@@ -157,10 +157,13 @@ def axis_statistics(
     study = take_study(model, linearizer, walks, y, groups, control, level)
     fitted = _fit(model, walks, y, study)
     predicted = loo_predict(study.vectors, study.codes, **study.options)
+    harmonics = score_harmonics(study, linearizer, walks, n_harmonics)
     permutations = permute(study, n_permutations, random_state)
     resampling: dict[str, Any] = {"n_resamples": n_resamples, "random_state": random_state, "n_jobs": n_jobs}
     direction = trait_axes(fitted).direction
-    bootstrap = bootstrap_axes(study.vectors, study.codes, direction=direction, **study.options, **resampling)
+    bootstrap = bootstrap_axes(
+        study.vectors, study.codes, direction=direction, level=level, **study.options, **resampling
+    )
     summary = pd.concat(
         [
             _describe(study, fitted),
@@ -192,14 +195,14 @@ def axis_statistics(
         model=fitted,
         summary=summary,
         components=components,
-        harmonics=score_harmonics(study, linearizer, walks, n_harmonics),
+        harmonics=harmonics,
         parts=parts,
         cosines=_cosines(fitted),
         permutations=permutations,
         bootstrap=bootstrap,
         predictions=pd.DataFrame(predicted, columns=study.codes.columns, index=[walk.name for walk in walks]),
         settings=settings,
-        faults=(*leak, *find_faults(summary, parts, components, study.codes, sources, settings)),
+        faults=(*leak, *find_faults(summary, parts, components, study.codes, study.persons, sources, settings)),
         notes=state_notes(settings),
     )
 

@@ -1,4 +1,4 @@
-"""Persons drawn again, learning curves, and what both say of walkers whose truth is known."""
+"""Persons drawn again, and learning curves."""
 
 import numpy as np
 import pandas as pd
@@ -10,14 +10,11 @@ from sklearn.decomposition import PCA
 from sklearn.metrics import roc_auc_score
 from sklearn.pipeline import Pipeline
 
-from eigenwalker.datasets import make_walkers
 from eigenwalker.model import (
     BlockScaler,
-    FourierLinearizer,
     TraitRegressor,
     bootstrap_axes,
     learning_curve_walkers,
-    nested_loo,
 )
 from eigenwalker.model._resampling import feature_axes, fit_weighted, fit_without_each, predict_weighted
 from eigenwalker.model._sample import Reduction, take_sample
@@ -152,43 +149,3 @@ def test_the_learning_curve_checks_its_sizes():
         learning_curve_walkers(vectors, labels, n_components=3, n_persons=[4])
     with pytest.raises(ValueError, match="score='auc' needs two groups"):
         learning_curve_walkers(vectors, labels, n_components=3, score="auc")
-
-
-@pytest.fixture(scope="module")
-def walkers():
-    """Vectors of 160 walkers with planted traits, their traits, and the planted changes of the features."""
-    made = make_walkers(160, duration=4, frame_rate=60, random_state=0)
-    return FourierLinearizer().fit_transform(made.data), made.target, made.feature_axes
-
-
-def test_planted_axes_are_found_the_better_the_more_walkers(walkers):
-    """Happy goes along with no other trait, so that what goes along with it is what it does."""
-    vectors, traits, truth = walkers
-    happy = traits["happy"].to_numpy()[:, np.newaxis]
-    planted = truth["happy"].to_numpy()
-    cosines = []
-    for n_walkers in (20, 40, 80, 160):
-        parts = np.arange(160).reshape(-1, n_walkers)
-        found = []
-        for part in parts:
-            sample = take_sample(vectors[part], None, None)
-            fit = fit_weighted(sample, happy[part], np.ones(n_walkers, dtype=int), Reduction(10, "blocks"))
-            axis = feature_axes(fit, "pattern")[0]
-            one, other = axis / fit.scales, planted / fit.scales
-            found.append(one @ other / np.linalg.norm(one) / np.linalg.norm(other))
-        cosines.append(np.mean(found))
-    assert (np.diff(cosines) > 0).all()
-    assert cosines[-1] > 0.85
-
-
-def test_nested_accuracy_is_not_above_that_of_fresh_walkers(walkers):
-    vectors, traits, _ = walkers
-    codes = np.where(traits["gender"] == "male", 1.0, -1.0)
-    known, fresh = np.arange(160) < 50, np.arange(160) >= 50
-    nested = nested_loo(vectors[known], codes[known], n_components=range(2, 21), scaling="blocks")
-    chosen = int(np.median(nested.n_components))
-    sample = take_sample(vectors[known], None, None)
-    fit = fit_weighted(sample, codes[known, np.newaxis], np.ones(50, dtype=int), Reduction(chosen, "blocks"))
-    accuracy = np.mean(predict_weighted(fit, vectors[fresh])[:, 0] * codes[fresh] > 0)
-    width = 1.96 * np.sqrt(accuracy * (1 - accuracy) * (1 / 50 + 1 / 110))
-    assert nested.score <= accuracy + width
