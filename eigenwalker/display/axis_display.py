@@ -1,18 +1,19 @@
-"""What a trait axis moves, drawn on the body."""
+"""What a trait axis or an Eigenwalker moves, drawn on the body."""
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 from sklearn.pipeline import Pipeline
 
 from eigenwalker._validation import check_choice
 from eigenwalker.display._canvas import figure_of, take_axes, to_png, write_number
 from eigenwalker.display.body import check_drawable, draw_bodies, find_azimuth, project
-from eigenwalker.model.eigenwalkers import axis_features, axis_shares, split_model, trait_axes
+from eigenwalker.model.eigenwalkers import axis_features, eigenwalker_features, shares_of, split_model, trait_axes
 from eigenwalker.motion.fourier import evaluate_harmonics
 from eigenwalker.motion.skeleton import MarkerSet
 
@@ -33,7 +34,7 @@ _TO_SCALE: dict[str, Any] = {"angles": "xy", "scale_units": "xy", "scale": 1, "u
 
 
 class AxisDisplay:
-    """What a trait axis moves: the body of the average walker, and how it changes from -alpha to +alpha.
+    """What an axis moves: the body of the average walker, and how it changes from -alpha to +alpha.
 
     Arrows lead from the mean posture at -alpha to that at +alpha: the structure. Around their two ends run the paths of
     the markers over one stride, dashed at -alpha and solid at +alpha: the dynamics. All is in meters, nothing is
@@ -47,12 +48,10 @@ class AxisDisplay:
         Strides per second there.
     marker_set : MarkerSet
         Names of the markers, and sticks.
-    trait : str
-        Name of the axis.
-    poles : (str, str)
+    title : str
+        What the axis is.
+    ends : (str, str)
         Words for its negative and its positive end.
-    alpha : float
-        How far from the average walker.
     shares : (float, float)
         Shares of structure and dynamics in the axis, see `axis_shares`.
     views : sequence of str or float
@@ -83,18 +82,16 @@ class AxisDisplay:
         frequencies: NDArray[np.float64],
         *,
         marker_set: MarkerSet,
-        trait: str,
-        poles: tuple[Hashable, Hashable],
-        alpha: float,
+        title: str,
+        ends: tuple[str, str],
         shares: tuple[float, float],
         views: Sequence[str | float],
     ) -> None:
         self.coefficients = coefficients
         self.frequencies = frequencies
         self.marker_set = marker_set
-        self.trait = trait
-        self.poles = poles
-        self.alpha = alpha
+        self.title = title
+        self.ends = ends
         self.shares = shares
         self.views = views
 
@@ -134,22 +131,68 @@ class AxisDisplay:
         ValueError
             If the trait or a view is unknown, `alpha` is not positive, or there are not as many axes as views.
         """
-        marker_set, axes = check_drawable(split_model(model)[1].template_), trait_axes(model)
+        check_drawable(split_model(model)[1].template_)
+        axes = trait_axes(model)
         check_choice(trait, axes.trait_names_, name="trait")
-        if not 0 < alpha < np.inf:
-            raise ValueError(f"alpha must be positive, as both ends of the axis are drawn, got {alpha}")
-        if isinstance(views, str) or not len(views):
-            raise ValueError(f"views must be a sequence of one view or more, ('side',), got {views!r}")
-        shares = axis_shares(model).loc[trait]
+        _check_range(alpha, views)
+        negative, positive = (
+            f"{pole} (alpha = {write_number(sign * alpha, '+g')})"
+            for pole, sign in zip(axes.poles_[trait], (-1, 1), strict=True)
+        )
+        title = f"{trait}: from {negative} to {positive}"
+        display = cls._from_change(model, alpha * axis_features(model).loc[[trait]], title, (negative, positive), views)
+        return display.plot(ax=ax)
+
+    @classmethod
+    def from_eigenwalker(
+        cls,
+        model: Pipeline,
+        number: int = 1,
+        *,
+        n_sd: float = 2.0,
+        views: Sequence[str | float] = ("frontal", "side"),
+        ax: Axes | Sequence[Axes] | None = None,
+    ) -> Self:
+        """Draw an Eigenwalker of a model.
+
+        Parameters
+        ----------
+        model : Pipeline
+            Fitted on walks of markers, from `make_eigenwalkers` or with the same kinds of steps.
+        number : int, default 1
+            Which, from 1 on; the sign of an Eigenwalker has no meaning.
+        n_sd : float, default 2.0
+            How far from the average walker, to both sides, in SD over the training walkers.
+        views, ax
+            See `from_estimator`, as for errors.
+
+        Returns
+        -------
+        AxisDisplay
+        """
+        check_drawable(split_model(model)[1].template_)
+        changes = eigenwalker_features(model)
+        check_choice(number, changes.index.tolist(), name="number")
+        _check_range(n_sd, views)
+        share = split_model(model)[2][-1].explained_variance_ratio_[number - 1]
+        low, high = (f"{write_number(sign * n_sd, '+g')} SD" for sign in (-1, 1))
+        title = f"Eigenwalker {number}, {share:.0%} of the variance: from {low} to {high}"
+        return cls._from_change(model, n_sd * changes.loc[[number]], title, (low, high), views).plot(ax=ax)
+
+    @classmethod
+    def _from_change(
+        cls, model: Pipeline, change: pd.DataFrame, title: str, ends: tuple[str, str], views: Sequence[str | float]
+    ) -> Self:
+        """Return the display of a change of features, one row, before it is drawn."""
+        shares = shares_of(model, change).iloc[0]
         return cls(
-            *_stations(model, trait, np.array([-alpha, 0.0, alpha])),
-            marker_set=marker_set,
-            trait=trait,
-            poles=axes.poles_[trait],
-            alpha=float(alpha),
+            *_stations(model, change),
+            marker_set=check_drawable(split_model(model)[1].template_),
+            title=title,
+            ends=ends,
             shares=(float(shares["structure"]), float(shares["dynamics"])),
             views=views,
-        ).plot(ax=ax)
+        )
 
     def plot(self, ax: Axes | Sequence[Axes] | None = None) -> Self:
         """Draw on the given axes, or on new ones.
@@ -197,20 +240,17 @@ class AxisDisplay:
         before, _, after = self.frequencies
         structure, dynamics = self.shares
         return (
-            f"{self.trait}: from {self._end(-1)} to {self._end(1)}\n"
+            f"{self.title}\n"
             f"structure {structure:.0%}, dynamics {dynamics:.0%} of the axis\n"
             f"stride frequency {before:.2f} to {after:.2f} Hz ({write_number(after - before, '+.2f')} Hz)"
         )
-
-    def _end(self, sign: int) -> str:
-        return f"{self.poles[sign > 0]} (alpha = {write_number(sign * self.alpha, '+g')})"
 
     def _add_legend(self, ax: Axes) -> None:
         from matplotlib.lines import Line2D
 
         handles = [
-            Line2D([], [], label=f"path of a marker,\n{self._end(-1)}", **_LOW),
-            Line2D([], [], label=f"path of a marker,\n{self._end(1)}", **_HIGH),
+            Line2D([], [], label=f"path of a marker,\n{self.ends[0]}", **_LOW),
+            Line2D([], [], label=f"path of a marker,\n{self.ends[1]}", **_HIGH),
             Line2D([], [], label="change of mean posture", **_ARROW),
             Line2D([], [], color=str(_BODY), lw=1.6, label="average walker"),
         ]
@@ -221,24 +261,28 @@ class AxisDisplay:
         return to_png(self.figure_)
 
 
-def _stations(
-    model: Pipeline, trait: str, alphas: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the walkers at some alphas of an axis.
+def _check_range(alpha: float, views: Sequence[str | float]) -> None:
+    if not 0 < alpha < np.inf:
+        raise ValueError(f"alpha must be positive, as both ends of the axis are drawn, got {alpha}")
+    if isinstance(views, str) or not len(views):
+        raise ValueError(f"views must be a sequence of one view or more, ('side',), got {views!r}")
+
+
+def _stations(model: Pipeline, change: pd.DataFrame) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the average walker and those to both sides of it.
 
     Returns
     -------
-    coefficients : ndarray of shape (n_alphas, 2 n_harmonics + 1, n_markers, 3)
-    frequencies : ndarray of shape (n_alphas,)
+    coefficients : ndarray of shape (3, 2 n_harmonics + 1, n_markers, 3)
+    frequencies : ndarray of shape (3,)
     """
     _, linearizer, reduction = split_model(model)
     average = reduction.inverse_transform(trait_axes(model).mean_[np.newaxis])
-    change = axis_features(model).loc[trait]
-    vectors = average + np.outer(alphas, change)
+    vectors = average + np.outer([-1.0, 0.0, 1.0], change.to_numpy()[0])
     n_rows, n_channels = 2 * linearizer.n_harmonics + 1, len(linearizer.template_.channel_names)
-    # (n_alphas, n_features) -> (n_alphas, 2 n_harmonics + 1, n_markers, 3)
-    coefficients = vectors[:, : n_rows * n_channels].reshape(len(alphas), n_rows, -1, 3)
-    return coefficients, vectors[:, change.index.get_loc("frequency")]
+    # (3, n_features) -> (3, 2 n_harmonics + 1, n_markers, 3)
+    coefficients = vectors[:, : n_rows * n_channels].reshape(3, n_rows, -1, 3)
+    return coefficients, vectors[:, change.columns.get_loc("frequency")]
 
 
 def _limits(values: NDArray[np.float64]) -> tuple[float, float]:

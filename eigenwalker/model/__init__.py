@@ -3,7 +3,13 @@
 from eigenwalker.model._guards import LeakageWarning, OutsideDataWarning
 from eigenwalker.model.blocks import block_weights, feature_parts
 from eigenwalker.model.discriminant import TraitClassifier
-from eigenwalker.model.eigenwalkers import axis_features, axis_shares, make_eigenwalkers, settings_of
+from eigenwalker.model.eigenwalkers import (
+    axis_features,
+    axis_shares,
+    eigenwalker_features,
+    make_eigenwalkers,
+    settings_of,
+)
 from eigenwalker.model.generation import hybrid_walk, walk_along_axis, walk_at
 from eigenwalker.model.inference import (
     BootstrapResult,
@@ -42,6 +48,7 @@ __all__ = [
     "axis_statistics",
     "block_weights",
     "bootstrap_axes",
+    "eigenwalker_features",
     "feature_parts",
     "hybrid_walk",
     "learning_curve_walkers",

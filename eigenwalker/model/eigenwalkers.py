@@ -15,7 +15,16 @@ from eigenwalker.model.linearization import FourierLinearizer
 from eigenwalker.model.scaling import SCALINGS, BlockScaler
 from eigenwalker.model.traits import TraitRegressor
 
-__all__ = ["axis_features", "axis_shares", "make_eigenwalkers", "settings_of", "split_model", "trait_axes"]
+__all__ = [
+    "axis_features",
+    "axis_shares",
+    "eigenwalker_features",
+    "make_eigenwalkers",
+    "settings_of",
+    "shares_of",
+    "split_model",
+    "trait_axes",
+]
 
 
 def make_eigenwalkers(
@@ -112,7 +121,33 @@ def axis_shares(model: Pipeline) -> pd.DataFrame:
         One row a trait; the columns structure and dynamics sum to 1. They are shares of the axis' squared length in
         the space of the Eigenwalkers, that is, with features scaled as the model scales them.
     """
-    changes = axis_features(model)
+    return shares_of(model, axis_features(model))
+
+
+def eigenwalker_features(model: Pipeline) -> pd.DataFrame:
+    """Return what one SD over the training walkers along each Eigenwalker changes in each feature.
+
+    Parameters
+    ----------
+    model : Pipeline
+        Fitted, from `make_eigenwalkers` or with the same kinds of steps.
+
+    Returns
+    -------
+    DataFrame
+        One row an Eigenwalker, numbered from 1, one column a feature, in the feature's own unit.
+    """
+    linearizer, reduction = split_model(model)[1:]
+    pca = reduction[-1]
+    average = np.zeros((1, pca.n_components_))
+    steps = np.diag(np.sqrt(pca.explained_variance_))
+    changes = reduction.inverse_transform(steps) - reduction.inverse_transform(average)
+    numbers = pd.RangeIndex(1, len(changes) + 1, name="eigenwalker")
+    return pd.DataFrame(changes, index=numbers, columns=linearizer.get_feature_names_out())
+
+
+def shares_of(model: Pipeline, changes: pd.DataFrame) -> pd.DataFrame:
+    """Return which share of some changes of features is structure and which dynamics; see `axis_shares`."""
     squares = (changes / getattr(model[-3], "scale_", 1.0)) ** 2
     totals = squares.T.groupby(feature_parts(changes.columns)).sum().T.reindex(columns=list(PARTS), fill_value=0.0)
     return totals.div(totals.sum(axis=1), axis=0)

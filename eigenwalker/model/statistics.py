@@ -111,9 +111,11 @@ def axis_statistics(
     control : DataFrame, Series or array-like of shape (n_walks,) or (n_walks, n_controls), default None
         What no axis may go along with; see `TraitRegressor.fit`.
     sources : array-like of shape (n_walks,), default None
-        In which session, place or data set each walk was recorded, to tell where a trait goes along with it.
+        In which session, place or data set each walk was recorded, to tell where a trait goes along with it. A source
+        of one person only tells nothing.
     n_harmonics : sequence of int, default (1, 2, 3, 4)
-        Numbers of harmonics to compare.
+        Numbers of harmonics to compare. NaN comes of those for which the model's weights do not fit, or leave fewer
+        features than components.
     level : float, default 0.95
         Of the confidence intervals.
     n_permutations : int, default 10000

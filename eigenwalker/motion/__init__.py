@@ -26,6 +26,7 @@ from eigenwalker.motion.rigs import RIGS, find_rig
 from eigenwalker.motion.robust import fit_harmonics_robust
 from eigenwalker.motion.rotations import euler_from_rotvec, forward_kinematics, rotvec_from_euler, unroll_rotvec
 from eigenwalker.motion.skeleton import FEET, TROJE15, MarkerSet, Skeleton
+from eigenwalker.motion.spectrum import spectrum
 from eigenwalker.motion.static_trial import carry_markers
 from eigenwalker.motion.strides import cut_to_strides, pool_walks
 from eigenwalker.motion.symmetry import Asymmetry, asymmetry_index, mirror_walk, symmetrize_walk
@@ -80,6 +81,7 @@ __all__ = [
     "resample",
     "rotvec_from_euler",
     "shift_phase",
+    "spectrum",
     "split_passes",
     "stature",
     "steady_cadence",
