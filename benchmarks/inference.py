@@ -7,12 +7,12 @@ of it is exact; how far apart the results are stands beside. One core for all of
 import argparse
 import time
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import kstest
 from sklearn.decomposition import PCA
-from sklearn.model_selection import LeaveOneOut, cross_val_predict
+from sklearn.model_selection import GridSearchCV, LeaveOneOut, cross_val_predict
 from sklearn.pipeline import Pipeline
 from threadpoolctl import threadpool_limits
 
@@ -32,8 +32,25 @@ _N_COMPONENTS = 15
 _OURS = "eigenwalker loo_predict"
 _SKLEARN = "cross_val_predict"
 _CACHED = "one SVD a fold, by hand"
+_NESTED, _GRID = "eigenwalker nested_loo", "GridSearchCV in each fold"
 _WANTED = {80: 100, 300: 120, 1000: 150}
+_MISSING = 0.2  # of the labels, where there are several traits
 Target = tuple[str, str, bool | None]
+
+
+class _Case(NamedTuple):
+    """What is left out of, and how."""
+
+    n_walkers: int
+    scaling: str | None = None
+    n_controls: int = 0
+    n_traits: int = 1
+
+    def __str__(self) -> str:
+        parts = [f"{self.n_walkers} walkers, scaling {self.scaling}"]
+        parts += [f"{self.n_controls} controls"] * (self.n_controls > 0)
+        parts += [f"{self.n_traits} traits with a fifth of the labels missing"] * (self.n_traits > 1)
+        return ", ".join(parts)
 
 
 def main() -> None:
@@ -49,15 +66,22 @@ def main() -> None:
         print("One core for every row: all pools limited to 1 thread by threadpoolctl.")
         print(f"First call, with compiling or loading what was compiled before: {compiling:.1f} s")
         print(f"Vectors: {_N_FEATURES} features, {_N_COMPONENTS} Eigenwalkers of them; variances as in walks")
-        targets = _leave_one_out(80, None, 2 if short else 5, 1)
-        targets += _leave_one_out(300, None, 1 if short else 3, 1)
-        targets += _leave_one_out(1000, None, 1, 1 if not short else None)
-        for n_walkers, scaling in ((80, "blocks"), (80, "features"), *(() if short else ((300, "blocks"),))):
-            _leave_one_out(n_walkers, scaling, 1 if short else 3, 1)
+        targets = _leave_one_out(_Case(80), 2 if short else 5)
+        targets += _leave_one_out(_Case(300), 1 if short else 3)
+        targets += _leave_one_out(_Case(1000), 0 if short else 1)
+        others = [_Case(80, "blocks"), _Case(80, "features")]
+        others += [_Case(80, n_controls=2), _Case(80, n_traits=4), _Case(80, "blocks", 2, 4)]
+        if not short:
+            others += [_Case(300, "blocks"), _Case(300, n_controls=2), _Case(300, n_traits=4)]
+        for case in others:
+            _leave_one_out(case, 1 if short else 3)
         targets += _permutations(3 if short else 9)
-        targets += _bootstrap(80, 1000) + _bootstrap(300, 300 if short else 1000)
-        _nested(3 if short else 9)
-        targets += _uniformity(60 if short else 500)
+        targets += _bootstrap(80, 200 if short else 1000)
+        if not short:
+            _bootstrap(300, 1000)
+        _nested(None, 1 if short else 3, [5, 10, 15] if short else list(range(1, 31)))
+        if not short:
+            _nested("blocks", 3, list(range(1, 31)))
     _measure.print_targets(targets)
 
 
@@ -98,28 +122,13 @@ def _predict_cached(folds: Sequence[tuple], labels: NDArray[np.float64]) -> NDAr
     return predicted
 
 
-def _leave_one_out(n_walkers: int, scaling: str | None, n_rounds: int, n_slow: int | None) -> list[Target]:
+def _leave_one_out(case: _Case, n_rounds: int) -> list[Target]:
     """Print one table; return the targets for unscaled vectors."""
-    wanted = f"leave-one-out of {n_walkers} at least {_WANTED.get(n_walkers)} times as fast as cross_val_predict"
-    if n_slow is None:
+    wanted = f"leave-one-out of {case.n_walkers} at least {_WANTED.get(case.n_walkers)} times as fast as {_SKLEARN}"
+    if not n_rounds:
         return [(wanted, "", None)]
-    vectors, labels = _make_walkers(n_walkers)
-    found: dict[str, NDArray[np.float64]] = {}
-
-    def run(name: str, predict: Callable[[], NDArray[np.float64]], times: int = 1) -> Callable[[int], float]:
-        def turn(_: int) -> float:
-            for _ in range(times):
-                found[name] = predict()
-            return times
-
-        return turn
-
-    functions = {
-        _OURS: run(_OURS, lambda: loo_predict(vectors, labels, n_components=_N_COMPONENTS, scaling=scaling), 3),
-        _CACHED: run(_CACHED, lambda: _predict_cached(_decompose_folds(vectors, scaling), labels)),
-        _SKLEARN: run(_SKLEARN, lambda: cross_val_predict(_pipeline(scaling), vectors, labels, cv=LeaveOneOut())),
-    }
-    seconds = _interleave(functions, n_rounds, warm=n_walkers < 1000)
+    functions, found = _ways(case)
+    seconds = _interleave(functions, n_rounds, warm=n_rounds > 1)
     rows = [
         [
             name,
@@ -129,15 +138,46 @@ def _leave_one_out(n_walkers: int, scaling: str | None, n_rounds: int, n_slow: i
         ]
         for name in functions
     ]
-    title = f"Leave-one-out, {n_walkers} walkers, scaling {scaling}, median of {n_rounds} rounds"
+    title = f"Leave-one-out, {case}, median of {n_rounds} rounds"
     _measure.print_table(title, ["", "ms", "time / ours", "most off sklearn"], rows)
     factor, error = _measure.ratio(seconds, _SKLEARN, _OURS), np.abs(found[_OURS] - found[_SKLEARN]).max()
-    if scaling is not None:
+    if case != _Case(case.n_walkers):
         return []
     return [
-        (wanted, f"{factor:.0f}", factor >= _WANTED[n_walkers]),
-        (f"within 1e-10 of it, {n_walkers}", f"{error:.1e}", error <= 1e-10),
+        (wanted, f"{factor:.0f}", factor >= _WANTED[case.n_walkers]),
+        (f"within 1e-10 of it, {case.n_walkers}", f"{error:.1e}", error <= 1e-10),
     ]
+
+
+def _ways(case: _Case) -> tuple[dict[str, Callable[[int], float]], dict[str, NDArray[np.float64]]]:
+    """Return the ways to leave one out, by name, and the predictions that each of them leaves when it is called."""
+    vectors, labels = _make_walkers(case.n_walkers)
+    found: dict[str, NDArray[np.float64]] = {}
+    options: dict[str, Any] = {"n_components": _N_COMPONENTS, "scaling": case.scaling}
+    params = {}
+    random = np.random.default_rng(1)
+    if case.n_controls:
+        options["control"] = labels[:, np.newaxis] + random.normal(size=(case.n_walkers, case.n_controls))
+        params["trait__control"] = options["control"]
+    if case.n_traits > 1:
+        labels = labels[:, np.newaxis] + random.normal(size=(case.n_walkers, case.n_traits))
+        labels[random.random(labels.shape) < _MISSING] = np.nan
+
+    def run(name: str, predict: Callable[[], NDArray[np.float64]], times: int = 1) -> Callable[[int], float]:
+        def turn(_: int) -> float:
+            for _ in range(times):
+                found[name] = predict()
+            return times
+
+        return turn
+
+    def by_sklearn() -> NDArray[np.float64]:
+        return cross_val_predict(_pipeline(case.scaling), vectors, labels, cv=LeaveOneOut(), params=params)
+
+    ways = {_OURS: run(_OURS, lambda: loo_predict(vectors, labels, **options), 3)}
+    if not case.n_controls and case.n_traits == 1:
+        ways[_CACHED] = run(_CACHED, lambda: _predict_cached(_decompose_folds(vectors, case.scaling), labels))
+    return ways | {_SKLEARN: run(_SKLEARN, by_sklearn)}, found
 
 
 def _interleave(
@@ -221,7 +261,7 @@ def _bootstrap(n_walkers: int, n_resamples: int) -> list[Target]:
         found["loop"] = np.array([_cosine(axis, whole) for axis in others])
         return n_loop + 1
 
-    seconds = _measure.interleaved({"eigenwalker bootstrap_axes": ours, "a loop of Pipeline fits": loop}, 3)
+    seconds = _measure.interleaved({"eigenwalker bootstrap_axes": ours, "a loop of Pipeline fits": loop}, 5)
     error = np.abs(found["ours"][:n_loop] - found["loop"]).max()
     factor = _measure.ratio(seconds, "a loop of Pipeline fits", "eigenwalker bootstrap_axes")
     rows = [
@@ -249,47 +289,35 @@ def _cosine(axis: tuple, whole: tuple) -> float:
     return float(one @ other / np.linalg.norm(one) / np.linalg.norm(other))
 
 
-def _nested(n_candidates: int) -> None:
+def _nested(scaling: str | None, n_slow: int, numbers: list[int]) -> None:
+    """Print nested leave-one-out beside a grid search in each fold, of some walkers."""
     vectors, labels = _make_walkers(80)
     start = time.perf_counter()
-    numbers = range(1, 4 * n_candidates)
-    result = nested_loo(vectors, labels, n_components=numbers)
-    print(
-        f"\nNested leave-one-out of 80 walkers over {len(numbers)} numbers of components: "
-        f"{time.perf_counter() - start:.2f} s; accuracy {result.score:.3f}, best of the curve {result.curve.max():.3f}"
-    )
+    ours = nested_loo(vectors, labels, n_components=numbers, scaling=scaling)
+    middle = time.perf_counter()
+    searches = [_search_others(vectors, labels, walker, scaling, numbers) for walker in range(n_slow)]
+    seconds, slow = middle - start, (time.perf_counter() - middle) * 80 / n_slow
+    chosen, predicted = np.transpose(searches)
+    n_same, error = np.sum(chosen == ours.n_components[:n_slow]), np.abs(predicted - ours.predictions[:n_slow]).max()
+    rows = [[_NESTED, f"{seconds:.3g}", "1"], [_GRID, f"{slow:.3g}", f"{slow / seconds:.3g}"]]
+    title = f"Nested leave-one-out, 80 walkers, scaling {scaling}, {len(numbers)} numbers of Eigenwalkers"
+    _measure.print_table(f"{title}; the peer on {n_slow} walkers, extrapolated", ["", "s", "time / ours"], rows)
+    print(f"{n_same} of {n_slow} numbers are the same, predictions differ by {error:.1e} at most;")
+    print(f"accuracy {ours.score:.3f}, best of the curve {ours.curve.max():.3f}")
 
 
-def _uniformity(n_sets: int) -> list[Target]:
-    """Print how often p is at most a when labels mean nothing."""
-    levels = np.array([0.01, 0.05, 0.1, 0.25, 0.5, 0.75])
-    rows, targets = [], []
-    enough = n_sets >= 500  # fewer say nothing about three standard errors in four rows at once
-    for score in ("accuracy", "balanced_accuracy", "auc", "r"):
-        random = np.random.default_rng(1)
-        p_values = np.empty(n_sets)
-        for number in range(n_sets):
-            vectors = random.normal(size=(40, 30)) * np.arange(1, 31) ** -0.5
-            labels = random.normal(size=40) if score == "r" else random.permutation(np.repeat([-1.0, 1.0], 20))
-            options = {"score": score, "n_permutations": 999, "random_state": number}
-            p_values[number] = permutation_test(vectors, labels, n_components=8, **options).p_value
-        shares = np.array([np.mean(p_values <= level) for level in levels])
-        allowed = levels + 3 * np.sqrt(levels * (1 - levels) / n_sets)
-        distance = kstest(p_values, "uniform").pvalue
-        rows.append([score, *[f"{share:.3f}" for share in shares], f"{distance:.2f}"])
-        met = bool((shares <= allowed).all()) if enough else None
-        targets.append((f"P(p <= a) <= a within 3 standard errors, {score}", "", met))
-        if score == "r":
-            targets.append(
-                (
-                    "p uniform with a continuous score (Kolmogorov-Smirnov)",
-                    f"{distance:.2f}",
-                    distance > 0.01 if enough else None,
-                )
-            )
-    title = f"Share of {n_sets} data sets without effect with p <= a; 40 walkers, 999 shuffles"
-    _measure.print_table(title, ["", *[f"a = {level}" for level in levels], "KS p"], rows)
-    return targets
+def _search_others(
+    vectors: NDArray[np.float64], labels: NDArray[np.float64], walker: int, scaling: str | None, numbers: list[int]
+) -> tuple[int, float]:
+    """Return the number of Eigenwalkers that is best for the others among themselves, and what it predicts."""
+    others, grid = np.arange(len(labels)) != walker, {"eigenwalkers__n_components": numbers}
+    search = GridSearchCV(_pipeline(scaling), grid, scoring=_is_right, cv=LeaveOneOut())
+    search.fit(vectors[others], labels[others])
+    return search.best_params_["eigenwalkers__n_components"], search.predict(vectors[[walker]])[0]
+
+
+def _is_right(model: Pipeline, vectors: NDArray[np.float64], labels: NDArray[np.float64]) -> float:
+    return float(np.mean(model.predict(vectors) * labels > 0))
 
 
 if __name__ == "__main__":

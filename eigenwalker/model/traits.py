@@ -36,8 +36,11 @@ class TraitRegressor(RegressorMixin, TransformerMixin, BaseEstimator):
     One trait with ``alpha_unit="coefficient"`` and ``direction="filter"`` is Troje 2002, Eq. 6 to the letter.
 
     With control variables z given to `fit` the axes are the best of those with cov(c . s, z) = 0 over the training
-    walkers: weight given gender and height is what else goes along with weight. A step along such an axis in the
-    direction "pattern" leaves alone what the scores tell about the controls, as Cov c is orthogonal to the filter of z.
+    walkers: an alpha that says nothing about gender and height, and as much about weight as one such can. A step along
+    such an axis in the direction "pattern" leaves alone what the scores tell about the controls, as Cov c is orthogonal
+    to the filter of z. On new walkers the covariance is small, not zero, where walks hide a part of a control: of the
+    order of n_components / n_walkers (`python -m benchmarks.truth`). What weight does to a walk while gender and height
+    stay is another question: regress the label on the controls first, and learn its residual.
 
     Parameters
     ----------
