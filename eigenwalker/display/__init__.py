@@ -2,12 +2,19 @@
 
 from eigenwalker.display.axis_display import AxisDisplay
 from eigenwalker.display.body import project
+from eigenwalker.display.conditions import make_display
 from eigenwalker.display.curve_display import CurveDisplay
 from eigenwalker.display.deviation_display import DeviationDisplay
+from eigenwalker.display.movie import draw_frames, write_movie
+from eigenwalker.display.movie_table import write_movies
 from eigenwalker.display.permutation_display import PermutationDisplay
 from eigenwalker.display.plotting import StickFigureDisplay
 from eigenwalker.display.report import AxisReport, axis_report
 from eigenwalker.display.scree_display import ScreeDisplay
+from eigenwalker.display.screen import Screen
+from eigenwalker.display.spectrum_display import SpectrumDisplay
+from eigenwalker.display.stimuli import PointLightDisplay
+from eigenwalker.display.trajectory_display import TrajectoryDisplay
 
 __all__ = [
     "AxisDisplay",
@@ -15,8 +22,16 @@ __all__ = [
     "CurveDisplay",
     "DeviationDisplay",
     "PermutationDisplay",
+    "PointLightDisplay",
     "ScreeDisplay",
+    "Screen",
+    "SpectrumDisplay",
     "StickFigureDisplay",
+    "TrajectoryDisplay",
     "axis_report",
+    "draw_frames",
+    "make_display",
     "project",
+    "write_movie",
+    "write_movies",
 ]

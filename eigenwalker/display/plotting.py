@@ -100,7 +100,7 @@ class StickFigureDisplay:
         postures = [_postures(walk, self.n_phases) for walk in self.walks]
         seen = [project(posture, self.azimuth) for posture in postures]
         width = 1.15 * max(np.ptp(picture[..., 0]) for picture in seen)
-        height = 1.1 * max(picture[..., 1].max() for picture in seen)
+        height = 1.2 * max(picture[..., 1].max() for picture in seen)
         for row, (walk, picture) in enumerate(zip(self.walks, seen, strict=True)):
             floor = -row * height
             offsets = np.column_stack(

@@ -289,7 +289,8 @@ def test_plots_are_of_the_report(report):
     assert report.plot_permutations("gender").score == found.permutations["gender"].score
     assert report.plot_permutations("gender").score_name == "gender: area under the curve"
     assert report.plot_permutations(STRANGE).score_name == f"{STRANGE}: correlation"
-    assert report.plot_axis("gender", alpha=1.0, views=("side",)).alpha == 1
+    (panel,) = report.plot_axis("gender", alpha=1.0, views=("side",)).axes_
+    assert "gender: from female (alpha = −1) to male (alpha = +1)" in panel.get_title(loc="left")
     assert_array_equal(report.plot_scree().shares, found.model["eigenwalkers"].explained_variance_ratio_)
 
 

@@ -153,6 +153,8 @@ def refit(case, model, codes, vectors=None):
     folds = LeaveOneOut() if case.groups is None else LeaveOneGroupOut()
     options = fit_options(steps, case.groups, case.control)
     vectors = case.vectors if vectors is None else vectors
+    if model["scaler"].weights is None:
+        vectors = vectors.to_numpy()  # faster than with names
     predicted = cross_val_predict(steps, vectors, codes, groups=case.groups, cv=folds, params=options)
     return predicted.reshape(len(vectors), -1)
 

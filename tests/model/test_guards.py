@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from scipy.stats import kstest
+from scipy.stats import kstest, t
 
 from eigenwalker.datasets import make_walkers
 from eigenwalker.model import (
@@ -55,6 +55,12 @@ def test_limit_and_share_are_inverse(share):
     for n, k in ((30, 10), (11, 10), (1000, 2)):
         limit = distance_limit(n, k, share)
         assert_allclose(share_beyond(np.array([0.0, limit, np.inf]), n, k), [1, 1 - share, 0], rtol=1e-9)
+
+
+def test_with_one_component_the_limit_is_a_prediction_interval():
+    """Of a single new value: t of n - 1 degrees of freedom, times sqrt(1 + 1 / n); t of 4 at 97.5 % is 2.776."""
+    assert_allclose(distance_limit(5, 1, 0.95), 2.776445 * np.sqrt(1.2), rtol=1e-6)
+    assert_allclose(distance_limit(30, 1, 0.99), t.ppf(0.995, 29) * np.sqrt(31 / 30))
 
 
 def test_with_many_walkers_the_limit_is_that_of_chi_squared():

@@ -1,0 +1,58 @@
+"""Paths and spectra of a walk, and Eigenwalkers on the body."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from eigenwalker.display import AxisDisplay, SpectrumDisplay, TrajectoryDisplay, project
+from eigenwalker.model import eigenwalker_features
+from eigenwalker.motion import spectrum, stride_frequency
+from tests.display.test_axis_display import _arrows
+
+
+def test_an_eigenwalker_is_drawn_as_an_axis_is(model):
+    display = AxisDisplay.from_eigenwalker(model, 2, n_sd=3.0, views=("side",))
+    change = eigenwalker_features(model).loc[2].to_numpy()[:45].reshape(15, 3)
+    arrows = _arrows(display.axes_[0])
+    assert_allclose(np.column_stack((arrows.U, arrows.V)), project(6 * change, 90)[:, :2], atol=1e-12)
+    assert "Eigenwalker 2, " in display.axes_[0].get_title(loc="left")
+    assert "\N{MINUS SIGN}3 SD" in display.axes_[0].get_title(loc="left")
+    with pytest.raises(ValueError, match="number must be one of 1, 2"):
+        AxisDisplay.from_eigenwalker(model, 0)
+    with pytest.raises(ValueError, match="must be positive"):
+        AxisDisplay.from_eigenwalker(model, n_sd=-1)
+
+
+def test_eigenwalkers_are_the_directions_of_the_pca(model, walkers):
+    """One SD along an Eigenwalker moves its own score by one SD, and no other."""
+    changes = eigenwalker_features(model)
+    average = model["linearizer"].transform(walkers.data).mean(axis=0)
+    moved = model[1:-1].transform(average + changes.to_numpy()) - model[1:-1].transform([average])
+    assert_allclose(moved, np.diag(np.sqrt(model["eigenwalkers"].explained_variance_)), atol=1e-10)
+
+
+def test_paths_are_recorded_and_fitted(walkers):
+    walk = walkers.data[0]
+    display = TrajectoryDisplay.from_walk(walk, n_harmonics=2, views=("side",))
+    recorded, fitted = display.axes_[0].lines[:15], display.axes_[0].lines[15:]
+    assert len(fitted) == 15
+    for marker, (raw, series) in enumerate(zip(recorded, fitted, strict=True)):
+        seen = project(walk.positions[:, marker], 90)[:, :2]
+        assert_allclose(raw.get_xydata(), seen)
+        nearest = np.linalg.norm(series.get_xydata()[:, np.newaxis] - seen, axis=2).min(axis=1)
+        assert nearest.mean() < 0.02  # metres; two harmonics do not hold all of it
+    with pytest.raises(ValueError, match="views must be a sequence"):
+        TrajectoryDisplay.from_walk(walk, views="side")
+
+
+def test_spectra_are_those_of_the_channels(walkers):
+    walk = walkers.data[0]
+    display = SpectrumDisplay.from_walk(walk, n_harmonics=3)
+    frequency = stride_frequency(walk)
+    expected = spectrum(walk, max_frequency=3.5 * frequency).iloc[1:]
+    lines = display.ax_.lines
+    assert_allclose(lines[7].get_ydata(), expected.iloc[:, 7])
+    assert_allclose(lines[45].get_ydata(), np.sqrt((expected**2).mean(axis=1)))
+    assert_allclose([line.get_xdata()[0] for line in lines[46:]], frequency * np.arange(1, 4))
+    with pytest.raises(ValueError, match="n_harmonics must be at least 1"):
+        SpectrumDisplay.from_walk(walk, n_harmonics=0)
