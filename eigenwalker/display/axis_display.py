@@ -12,7 +12,7 @@ from sklearn.pipeline import Pipeline
 
 from eigenwalker._validation import check_choice
 from eigenwalker.display._canvas import figure_of, take_axes, to_png, write_number
-from eigenwalker.display.body import check_drawable, draw_bodies, find_azimuth, project
+from eigenwalker.display.body import check_drawable, check_views, draw_bodies, name_view, project
 from eigenwalker.model.eigenwalkers import axis_features, eigenwalker_features, shares_of, split_model, trait_axes
 from eigenwalker.motion.fourier import evaluate_harmonics
 from eigenwalker.motion.skeleton import MarkerSet
@@ -206,7 +206,7 @@ class AxisDisplay:
         -------
         self
         """
-        azimuths = [find_azimuth(view) for view in self.views]
+        azimuths = check_views(self.views)
         paths = np.stack([_paths(coefficients) for coefficients in self.coefficients[[0, 2]]])
         seen = [project(paths, azimuth)[..., :2] for azimuth in azimuths]
         limits = [_limits(picture[..., 0]) for picture in seen]
@@ -217,7 +217,7 @@ class AxisDisplay:
         for panel, view, azimuth, picture, limit in zip(self.axes_, self.views, azimuths, seen, limits, strict=True):
             self._draw_view(panel, azimuth, picture)
             panel.set(xlim=limit, ylim=height, aspect="equal")
-            panel.set_xlabel(f"{view} view (m)" if isinstance(view, str) else f"view from {view:g}° (m)")
+            panel.set_xlabel(name_view(view))
         self.axes_[0].set_ylabel("height (m)")
         self.axes_[0].set_title(self._title(), loc="left", fontsize="medium")
         self._add_legend(self.axes_[-1])
@@ -264,8 +264,7 @@ class AxisDisplay:
 def _check_range(alpha: float, views: Sequence[str | float]) -> None:
     if not 0 < alpha < np.inf:
         raise ValueError(f"alpha must be positive, as both ends of the axis are drawn, got {alpha}")
-    if isinstance(views, str) or not len(views):
-        raise ValueError(f"views must be a sequence of one view or more, ('side',), got {views!r}")
+    check_views(views)
 
 
 def _stations(model: Pipeline, change: pd.DataFrame) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,7 +14,16 @@ from eigenwalker.motion.walk import JointWalk, Walk
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["VIEWS", "check_drawable", "draw_bodies", "draw_sticks", "find_azimuth", "project"]
+__all__ = [
+    "VIEWS",
+    "check_drawable",
+    "check_views",
+    "draw_bodies",
+    "draw_sticks",
+    "find_azimuth",
+    "name_view",
+    "project",
+]
 
 VIEWS = {"frontal": 0.0, "half-profile": 30.0, "side": 90.0}
 """Azimuth of the named views, in degrees (Troje 2002, section 4)."""
@@ -24,6 +34,18 @@ def find_azimuth(view: str | float) -> float:
     if isinstance(view, str) and view not in VIEWS:
         raise ValueError(f"view must be one of {', '.join(VIEWS)} or an azimuth in degrees, got {view!r}")
     return VIEWS[view] if isinstance(view, str) else float(view)
+
+
+def check_views(views: Sequence[str | float]) -> list[float]:
+    """Return the azimuth of each of several views, one or more."""
+    if isinstance(views, str) or not len(views):
+        raise ValueError(f"views must be a sequence of one view or more, ('side',), got {views!r}")
+    return [find_azimuth(view) for view in views]
+
+
+def name_view(view: str | float) -> str:
+    """Return what stands below the panel of a view."""
+    return f"{view} view (m)" if isinstance(view, str) else f"view from {view:g}° (m)"
 
 
 def check_drawable(walk: Walk | JointWalk) -> MarkerSet:

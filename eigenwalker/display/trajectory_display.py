@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigenwalker.display._canvas import figure_of, take_axes, to_png
-from eigenwalker.display.body import check_drawable, draw_bodies, find_azimuth, project
+from eigenwalker.display.body import check_drawable, check_views, draw_bodies, name_view, project
 from eigenwalker.motion.fourier import evaluate_harmonics, fit_harmonics
 from eigenwalker.motion.phase import stride_frequency
 from eigenwalker.motion.walk import Walk
@@ -90,8 +90,7 @@ class TrajectoryDisplay:
             If the walk has gaps, no period or less than one stride.
         """
         check_drawable(walk)
-        if isinstance(views, str) or not len(views):
-            raise ValueError(f"views must be a sequence of one view or more, ('side',), got {views!r}")
+        check_views(views)
         return cls(walk, n_harmonics=n_harmonics, views=views).plot(ax=ax)
 
     def plot(self, ax: Axes | Sequence[Axes] | None = None) -> Self:
@@ -110,8 +109,7 @@ class TrajectoryDisplay:
         width = _HEIGHT * 0.7
         self.axes_ = take_axes(ax, (width * len(self.views) + 0.4, _HEIGHT + 0.6), [1.0] * len(self.views))
         self.figure_ = figure_of(self.axes_[0])
-        for panel, view in zip(self.axes_, self.views, strict=True):
-            azimuth = find_azimuth(view)
+        for panel, view, azimuth in zip(self.axes_, self.views, check_views(self.views), strict=True):
             draw_bodies(panel, self.walk.marker_set, project(mean, azimuth)[np.newaxis], gray=0.8, contrast=0.1)
             # (n_frames, n_markers, 2) -> (2, n_frames, n_markers): one line a marker
             recorded = np.moveaxis(project(self.walk.positions, azimuth)[..., :2], -1, 0)
@@ -120,9 +118,7 @@ class TrajectoryDisplay:
             first.set_label("recorded")
             first, *_ = panel.plot(*fitted, color="black", lw=1.1, zorder=5)
             first.set_label(f"{self.n_harmonics} harmonics")
-            panel.set(
-                aspect="equal", xlabel=f"{view} view (m)" if isinstance(view, str) else f"view from {view:g}° (m)"
-            )
+            panel.set(aspect="equal", xlabel=name_view(view))
             panel.spines[["top", "right"]].set_visible(False)
         self.axes_[0].set_ylabel("height (m)")
         self.axes_[0].set_title(self.walk.name, loc="left", fontsize="medium")
