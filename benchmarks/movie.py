@@ -49,6 +49,10 @@ def main() -> None:
         if not short:
             for suffix in _AIMS:
                 _compare(masked, suffix, Path(folder), duration, n_rounds)
+        print(
+            f"{_PEER} copies dots of one color to whole pixels; with a color for each they are between pixels, as ours "
+            "are, and\nthe frames are the same: that row is the peer. With our encoding even the files are."
+        )
         targets.append(_lasts(Path(folder, "ours.mp4"), duration))
     _measure.print_targets(targets)
 

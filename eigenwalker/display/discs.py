@@ -1,56 +1,24 @@
-"""Discs drawn into pictures, with smooth edges."""
+r"""Discs drawn into pictures, with smooth edges: each pixel by the very part of it that a disc covers.
+
+The part of a disc around zero that lies left of x and above y has the area
+
+.. math:: A(x, y) = H(x) + \operatorname{sgn}(y) \left[ \min(H(x), H(-c)) + \max(H(x), H(c)) - H(c) \right]
+          + y \left[ \min(\max(x, -c), c) + c \right]
+
+with x and y cut to the radius r, the half chord c = sqrt(r^2 - y^2) at height y, and half of the area left of x,
+H(x) = (x sqrt(r^2 - x^2) + r^2 asin(x / r)) / 2 + pi r^2 / 4: the integral over columns of the length of chord above y.
+Differences of A between the corners of a pixel are what is covered of it. So the pixels of a disc add up to its area
+wherever it lies between them, and a moving dot does not flicker.
+"""
 
 import math
 from collections.abc import Iterator
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
-__all__ = ["cover_pixels", "draw_discs"]
-
-_AT_ONCE = 8  # frames whose discs are computed together: their arrays stay in the cache
-
-
-def cover_pixels(columns: NDArray[np.floating], rows: NDArray[np.floating], radius: float) -> NDArray[np.float64]:
-    r"""Return which part of each pixel is covered by a disc around zero, exactly.
-
-    The part of the disc left of x and above y has the area
-
-    .. math:: A(x, y) = H(x) + \operatorname{sgn}(y) \left[ \min(H(x), H(-c)) + \max(H(x), H(c)) - H(c) \right]
-              + y \left[ \min(\max(x, -c), c) + c \right]
-
-    with x and y cut to the radius r, the half chord c = sqrt(r^2 - y^2) at height y, and half of the area left of x,
-    H(x) = (x sqrt(r^2 - x^2) + r^2 asin(x / r)) / 2 + pi r^2 / 4. It is the integral over columns of the length of
-    chord that lies above y. Differences of A between the corners of a pixel are its share. The shares of all pixels
-    add up to the area of the disc wherever it lies between them, so that a moving dot does not flicker.
-
-    Parameters
-    ----------
-    columns : ndarray of shape (n_discs, n_columns + 1)
-        Left edges of pixels, and the right edge of the last one, from the center of the disc.
-    rows : ndarray of shape (n_discs, n_rows + 1)
-        Upper edges of pixels, and the lower edge of the last one.
-    radius : float
-        In pixels.
-
-    Returns
-    -------
-    ndarray of shape (n_discs, n_rows, n_columns)
-        From 0 for none to 1 for all.
-    """
-    x = np.clip(columns, -radius, radius)[:, np.newaxis]  # (n_discs, 1, n_columns + 1)
-    y = np.clip(rows, -radius, radius)[..., np.newaxis]  # (n_discs, n_rows + 1, 1)
-    chord = np.sqrt(radius**2 - y**2)
-    left, chord_left = _half_area(x, radius), _half_area(chord, radius)
-    whole = math.pi * radius**2 / 2
-    beyond = np.minimum(left, whole - chord_left) + np.maximum(left, chord_left) - chord_left
-    areas = left + np.sign(y) * beyond + y * (np.minimum(np.maximum(x, -chord), chord) + chord)
-    return np.diff(np.diff(areas, axis=1), axis=2)
-
-
-def _half_area(x: NDArray[np.floating], radius: float) -> NDArray[np.float64]:
-    """Return the area of half a disc, above its middle, left of x."""
-    return (x * np.sqrt(radius**2 - x**2) + radius**2 * np.arcsin(x / radius)) / 2 + math.pi * radius**2 / 4
+__all__ = ["draw_discs"]
 
 
 def draw_discs(
@@ -58,8 +26,8 @@ def draw_discs(
 ) -> Iterator[NDArray[np.uint8]]:
     """Yield pictures of discs.
 
-    A pixel has the value ground + share (disc - ground), rounded, with the share of it that is covered, see
-    `cover_pixels`; where discs overlap, that of the one that covers most of it.
+    A pixel has the value ground + share (disc - ground), rounded, with the share of it that is covered; where discs
+    overlap, by the one that covers most of it.
 
     Parameters
     ----------
@@ -87,44 +55,71 @@ def draw_discs(
            [116, 255, 116],
            [ 20, 116,  20]], dtype=uint8)
     """
-    width, height = size
+    shape = size[1], size[0]
     levels = np.rint(np.linspace(ground, disc, 256)).astype(np.uint8)
-    shares = np.zeros(height * width + 1, dtype=np.uint8)  # the last one takes what falls outside
-    pixels = np.full(height * width + 1, ground, dtype=np.uint8)
-    for first in range(0, len(centers), _AT_ONCE):
-        several = np.nan_to_num(centers[first : first + _AT_ONCE], nan=-np.inf)
-        for places, values in zip(*_disc_pixels(several, diameter, size), strict=True):
-            np.maximum.at(shares, places, values)
-            pixels[places] = levels[shares[places]]
-            yield pixels[:-1].reshape(height, width)
-            shares[places], pixels[places] = 0, ground
+    shares, picture = np.zeros(shape, dtype=np.uint8), np.full(shape, ground, dtype=np.uint8)
+    for frame in np.ascontiguousarray(centers, dtype=np.float64):
+        _draw(frame, diameter / 2, shares, picture, levels)
+        yield picture
+        _wipe(frame, diameter / 2, shares, picture, levels)
 
 
-def _disc_pixels(
-    centers: NDArray[np.floating], diameter: float, size: tuple[int, int]
-) -> tuple[NDArray[np.intp], NDArray[np.uint8]]:
-    """Return the pixels that discs may touch, row by row through the picture, and what of them is covered.
+@njit(cache=True, nogil=True)
+def _draw(centers, radius, shares, picture, levels):
+    """Draw discs (n_discs, 2): `shares` keeps what is covered of each pixel, 0 to 255, `picture` its level."""
+    n_steps = math.ceil(2 * radius) + 2
+    x, halves = np.zeros(n_steps), np.zeros(n_steps)
+    above, below = np.zeros(n_steps), np.zeros(n_steps)
+    for disc in range(len(centers)):
+        first, stop = _span(centers[disc, 0], radius, picture.shape[1])
+        top, bottom = _span(centers[disc, 1], radius, picture.shape[0])
+        for step in range(stop - first + 1):
+            x[step] = min(max(first + step - 0.5 - centers[disc, 0], -radius), radius)
+            halves[step] = _half_area(x[step], radius)
+        _areas(top - 0.5 - centers[disc, 1], radius, x, halves, above)
+        for row in range(top, bottom):
+            _areas(row + 0.5 - centers[disc, 1], radius, x, halves, below)
+            for step in range(stop - first):
+                covered = below[step + 1] - below[step] - above[step + 1] + above[step]
+                share = int(255 * covered + 0.5)
+                if share > shares[row, first + step]:
+                    shares[row, first + step] = share
+                    picture[row, first + step] = levels[share]
+            above, below = below, above
 
-    Parameters
-    ----------
-    centers : ndarray of shape (n_frames, n_discs, 2)
-        Column and row in pixels, infinite for a disc that is not there.
-    diameter, size : float, and (int, int)
-        In pixels.
 
-    Returns
-    -------
-    places, values : ndarray of shape (n_frames, n_discs n_steps n_steps)
-        Places outside the picture are one behind its last. Values are from 0 for nothing of a pixel to 255 for all.
-    """
-    width, height = size
-    steps = np.arange(math.ceil(diameter) + 2)
-    bounded = np.clip(centers.reshape(-1, 2), -len(steps), np.array(size) + len(steps))  # (n_frames n_discs, 2)
-    grid = np.rint(bounded - (len(steps) - 1) / 2).astype(np.intp)[..., np.newaxis] + steps  # (..., 2, n_steps)
-    edges = np.concatenate((grid - 0.5, grid[..., -1:] + 0.5), axis=2) - bounded[..., np.newaxis]
-    shares = cover_pixels(edges[:, 0], edges[:, 1], diameter / 2)  # (n_frames n_discs, n_steps, n_steps)
-    columns, rows = grid[:, 0, np.newaxis], grid[:, 1, :, np.newaxis]
-    inside = (columns >= 0) & (columns < width) & (rows >= 0) & (rows < height)
-    places = np.where(inside, width * rows + columns, width * height)
-    shape = len(centers), -1  # (n_frames n_discs, n_steps, n_steps) -> (n_frames, n_discs n_steps n_steps)
-    return places.reshape(shape), np.rint(255 * shares).astype(np.uint8).reshape(shape)
+@njit(cache=True, nogil=True)
+def _wipe(centers, radius, shares, picture, levels):
+    """Undo `_draw`."""
+    for disc in range(len(centers)):
+        first, stop = _span(centers[disc, 0], radius, picture.shape[1])
+        top, bottom = _span(centers[disc, 1], radius, picture.shape[0])
+        shares[top:bottom, first:stop] = 0
+        picture[top:bottom, first:stop] = levels[0]
+
+
+@njit(cache=True, nogil=True)
+def _span(center, radius, n_pixels):
+    """Return the first pixel along a side that a disc may touch, and the one behind the last: none for NaN."""
+    if not -radius - 1 < center < n_pixels + radius:
+        return 0, 0
+    return max(math.floor(center - radius + 0.5), 0), min(math.floor(center + radius + 0.5) + 1, n_pixels)
+
+
+@njit(cache=True, nogil=True)
+def _areas(y, radius, x, halves, areas):
+    """Fill in A(x, y) at some x, with their H(x) in `halves`."""
+    y = min(max(y, -radius), radius)
+    chord = math.sqrt(radius**2 - y**2)
+    right = _half_area(chord, radius)
+    left = math.pi * radius**2 / 2 - right
+    sign = 1.0 if y > 0 else -1.0
+    for step in range(len(x)):
+        beyond = min(halves[step], left) + max(halves[step], right) - right
+        areas[step] = halves[step] + sign * beyond + y * (min(max(x[step], -chord), chord) + chord)
+
+
+@njit(cache=True, nogil=True)
+def _half_area(x, radius):
+    """Return the area of half a disc left of x."""
+    return (x * math.sqrt(radius**2 - x**2) + radius**2 * math.asin(x / radius)) / 2 + math.pi * radius**2 / 4

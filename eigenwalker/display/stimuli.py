@@ -65,7 +65,7 @@ class PointLightDisplay:
     polarity : {"light", "dark"}, default "light"
         Light dots on dark, or dark dots on light.
     start : float, default 0.0
-        Phase of the walker at time zero, in strides.
+        Phase of the walker at time zero, in strides, see `starting_at`.
     lifetimes : tuple of Lifetime, default ()
         Runs of dots of which only some are lit at a time.
     name : str, default ""
@@ -74,7 +74,6 @@ class PointLightDisplay:
     See Also
     --------
     make_display : The same from one flat set of parameters, such as a row of a table of conditions.
-    write_movie : The display as a movie.
     eigenwalker.model.hybrid_walk : Structure of one walker, dynamics of another, to make a display of.
 
     Examples
@@ -282,8 +281,8 @@ class PointLightDisplay:
         """
         amount = check_number(amount, "amount", at_least=0, at_most=1)
         directions = scrambling_directions(how, self.axes)
-        random = check_random_state(random_state)
-        return replace(self, dots=self.dots.scattered(directions, random, amount=amount))
+        scattered = self.dots.scattered(directions, check_random_state(random_state), amount=amount)
+        return replace(self, dots=scattered)
 
     def scramble_phase(self, amount: float = 1.0, *, random_state: _Seed = None) -> Self:
         """Return the display with the dots' phases scrambled, see `scatter_phases`; paths stay exactly as they are.
@@ -329,9 +328,8 @@ class PointLightDisplay:
                 f"display {self.name!r}: the walk's own speed is unknown; give translating(speed=...) in m/s, or set "
                 "it on the walk, dataclasses.replace(walk, speed=1.3)"
             )
-        forward = np.array([1.0, 0.0, 0.0])
         pace = check_number(self.speed if speed is None else speed, "speed", unit="m/s")
-        ahead = check_number(start, "start", unit="metres")
+        forward, ahead = np.array([1.0, 0.0, 0.0]), check_number(start, "start", unit="metres")
         return replace(self, dots=self.dots.moving(pace * forward, ahead * forward))
 
     def add_mask(

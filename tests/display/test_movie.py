@@ -88,6 +88,18 @@ def test_discs_have_their_area_and_place(column, row, diameter):
     assert_allclose((picture * rows).sum() / picture.sum(), row, atol=0.1)
 
 
+@pytest.mark.parametrize("diameter", [0.4, 1.0, 2.5, 6.0])
+def test_pixels_have_the_part_that_is_covered(diameter):
+    """Against counting 10,000 points in each pixel."""
+    points = (np.arange(100) + 0.5) / 100 - 0.5
+    column, row = 7.13, 6.42
+    x, y = ((np.arange(14)[:, np.newaxis] + points).ravel() - center for center in (column, row))
+    inside = x**2 + y[:, np.newaxis] ** 2 < diameter**2 / 4
+    covered = inside.reshape(14, 100, 14, 100).mean(axis=(1, 3))  # (rows, points, columns, points) -> (rows, columns)
+    picture = next(draw_discs(np.array([[[column, row]]]), diameter, (14, 14)))
+    assert_allclose(picture, 255 * covered, atol=0.5 + 0.3)  # of rounding, and of counting
+
+
 def test_discs_across_the_edge_and_outside():
     """A picture is a window on a larger one."""
     centers = np.array([[[-1.3, 5.2], [8.0, -0.4], [19.5, 9.7], [-1e9, 4.0], [np.nan, np.nan], [7.0, 1e9]]])
