@@ -12,6 +12,7 @@ from tqdm import tqdm
 
 from eigenwalker.datasets import make_walkers
 from eigenwalker.display.plotting import StickFigureDisplay
+from eigenwalker.display.walker_view import view
 from eigenwalker.io.table import write_csv
 from eigenwalker.model.eigenwalkers import make_eigenwalkers, settings_of
 from eigenwalker.model.generation import walk_along_axis
@@ -20,9 +21,13 @@ from eigenwalker.model.traits import TraitRegressor
 from eigenwalker.motion.preparation import prepare_walks
 
 HELP = "run the main job on synthetic walkers"
-DESCRIPTION = "Learn gender, weight and mood axes from 80 synthetic walkers, and write pictures and a walk."
+DESCRIPTION = (
+    "Learn gender, weight and mood axes from 80 synthetic walkers, and write pictures, a walk, and a page of walkers "
+    "that move, with sliders."
+)
 
 _NOTE = "(synthetic: says nothing about people)"
+_PAGE_NOTE = "Synthetic walkers: they say nothing about people."
 _POLES = {
     "gender": ("female", "male"),
     "weight": ("light", "heavy"),
@@ -53,12 +58,14 @@ def run(options: argparse.Namespace) -> None:
         matrix = loo_matrix(vectors, **settings_of(model))
         _next(bar, "drawing")
         _draw(model, options.out)
+        view(model, walks, note=_PAGE_NOTE).save(options.out / "walker.html")
         bar.update()
     _print_results(model, matrix, traits)
     example = walk_along_axis(model, "gender", [2.0])[0]
     write_csv(example, options.out / "gender_plus_2.csv")
     print(
-        f"pictures and a walk are in {options.out}/: open average.png, gender.png, weight.png, happy.png, nervous.png"
+        f"pictures, a walk and a page are in {options.out}/: open walker.html, where walkers move, and average.png, "
+        "gender.png, weight.png, happy.png, nervous.png"
     )
 
 
@@ -88,9 +95,9 @@ def _draw(model: Pipeline, folder: Path) -> None:
     pictures = {"average": average, **{trait: walk_along_axis(model, trait, [-2, 0, 2]) for trait in _POLES}}
     for name, walks in pictures.items():
         figure = Figure(figsize=(12, 0.6 + 2.3 * len(walks)), layout="constrained")
-        for ax, view in zip(figure.subplots(1, 2), ("frontal", "half-profile"), strict=True):
-            StickFigureDisplay.from_walks(walks, view=view, ax=ax)
-            ax.set_title(view)
+        for ax, seen in zip(figure.subplots(1, 2), ("frontal", "half-profile"), strict=True):
+            StickFigureDisplay.from_walks(walks, view=seen, ax=ax)
+            ax.set_title(seen)
         words = "" if name == "average" else f": {_POLES[name][0]} (-) to {_POLES[name][1]} (+)"
         figure.suptitle(f"{name}{words} {_NOTE}")
         figure.savefig(folder / f"{name}.png", dpi=110)

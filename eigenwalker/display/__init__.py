@@ -15,6 +15,7 @@ from eigenwalker.display.screen import Screen
 from eigenwalker.display.spectrum_display import SpectrumDisplay
 from eigenwalker.display.stimuli import PointLightDisplay
 from eigenwalker.display.trajectory_display import TrajectoryDisplay
+from eigenwalker.display.walker_view import WalkerView, view
 
 __all__ = [
     "AxisDisplay",
@@ -28,10 +29,12 @@ __all__ = [
     "SpectrumDisplay",
     "StickFigureDisplay",
     "TrajectoryDisplay",
+    "WalkerView",
     "axis_report",
     "draw_frames",
     "make_display",
     "project",
+    "view",
     "write_movie",
     "write_movies",
 ]

@@ -27,7 +27,8 @@ def test_demo(run, tmp_path):
     assert all(line.endswith("(synthetic: says nothing about people)") for line in results)
     assert "permutation p = " in out
     names = {path.name for path in (tmp_path / "demo").iterdir()}
-    assert {"average.png", "gender.png", "weight.png", "happy.png", "nervous.png", "gender_plus_2.csv"} == names
+    pictures = {"average.png", "gender.png", "weight.png", "happy.png", "nervous.png"}
+    assert names == pictures | {"gender_plus_2.csv", "walker.html"}
     table = pd.read_csv(tmp_path / "demo" / "gender_plus_2.csv")
     assert table.shape[1] == 46
     assert table["head_z"].gt(1.2).all()
