@@ -20,6 +20,7 @@ __all__ = [
     "axis_shares",
     "eigenwalker_features",
     "make_eigenwalkers",
+    "scale_changes",
     "settings_of",
     "shares_of",
     "split_model",
@@ -148,9 +149,14 @@ def eigenwalker_features(model: Pipeline) -> pd.DataFrame:
 
 def shares_of(model: Pipeline, changes: pd.DataFrame) -> pd.DataFrame:
     """Return which share of some changes of features is structure and which dynamics; see `axis_shares`."""
-    squares = (changes / getattr(model[-3], "scale_", 1.0)) ** 2
+    squares = scale_changes(model, changes) ** 2
     totals = squares.T.groupby(feature_parts(changes.columns)).sum().T.reindex(columns=list(PARTS), fill_value=0.0)
     return totals.div(totals.sum(axis=1), axis=0)
+
+
+def scale_changes(model: Pipeline, changes: pd.DataFrame) -> pd.DataFrame:
+    """Return changes of features in the scale in which the model finds its Eigenwalkers."""
+    return changes / getattr(model[-3], "scale_", 1.0)
 
 
 def split_model(model: Pipeline) -> tuple[Pipeline | None, FourierLinearizer, Pipeline]:

@@ -26,7 +26,7 @@ from eigenwalker.model._study import (
     take_study,
 )
 from eigenwalker.model.bootstrap import BootstrapResult, bootstrap_axes
-from eigenwalker.model.eigenwalkers import axis_features, axis_shares, split_model, trait_axes
+from eigenwalker.model.eigenwalkers import axis_features, axis_shares, scale_changes, split_model, trait_axes
 from eigenwalker.model.leave_one_out import loo_predict
 from eigenwalker.model.permutation import PermutationResult
 from eigenwalker.motion.walk import JointWalk, Walk
@@ -217,7 +217,10 @@ def _fit(model: Pipeline, walks: Sequence[Walk | JointWalk], y: ArrayLike, study
     options: dict[str, Any] = {f"{names[-1]}__groups": study.persons, f"{names[-1]}__control": study.options["control"]}
     if study.settings["scaling"] == "noise":
         options[f"{names[1]}__groups"] = study.persons
-    return fitted.fit(list(walks), y, **options)
+    # The walks are linearized already; the vectors have names where those of this linearizer would.
+    named = isinstance(fitted[0].fit(walks).transform(walks[:1]), pd.DataFrame)
+    fitted[1:].fit(study.vectors if named else study.vectors.to_numpy(), y, **options)
+    return fitted
 
 
 def _describe(study: Study, fitted: Pipeline) -> pd.DataFrame:
@@ -240,7 +243,7 @@ def _describe(study: Study, fitted: Pipeline) -> pd.DataFrame:
 def _cosines(fitted: Pipeline) -> pd.DataFrame:
     """Return the cosines between axes, of scaled features."""
     axes = axis_features(fitted)
-    scaled = (axes / getattr(fitted[-3], "scale_", 1.0)).to_numpy()
+    scaled = scale_changes(fitted, axes).to_numpy()
     lengths = np.linalg.norm(scaled, axis=1, keepdims=True)
     unit = np.divide(scaled, lengths, out=np.zeros_like(scaled), where=lengths > 0)
     return pd.DataFrame(unit @ unit.T, index=axes.index, columns=list(axes.index))
