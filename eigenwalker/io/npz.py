@@ -89,6 +89,8 @@ def _joint_fields(walk: JointWalk) -> tuple[dict[str, Any], dict[str, Any]]:
         "joints": skeleton.joint_names,
         "root": skeleton.root,
         "rotation_orders": skeleton.rotation_orders,
+        "upright": skeleton.upright,
+        "channel_joints": walk.channel_joints,
         "translations": list(walk.translations),
     }
     arrays = {name: getattr(skeleton, name) for name in _SKELETON}
@@ -192,6 +194,8 @@ def _build(fields: dict[str, Any], arrays: dict[str, NDArray], name: str | None)
         return Walk(arrays["positions"], marker_set=markers, **common)
     parents, offsets, end_parents, end_offsets = (arrays[part] for part in _SKELETON)
     names, root, orders = (fields[key] for key in ("joints", "root", "rotation_orders"))
-    skeleton = Skeleton(tuple(names), parents, offsets, end_parents, end_offsets, root, orders)
+    skeleton = Skeleton(tuple(names), parents, offsets, end_parents, end_offsets, root, orders, bool(fields["upright"]))
     moving = {joint: arrays[f"translation_{place}"] for place, joint in enumerate(fields["translations"])}
+    joints = fields["channel_joints"]
+    common["channel_joints"] = None if joints is None else tuple(joints)
     return JointWalk(arrays["rotations"], arrays["root"], skeleton, translations=moving, **common)

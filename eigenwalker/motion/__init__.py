@@ -17,10 +17,11 @@ from eigenwalker.motion.gait import Step, detect_events, find_steps, gait_table,
 from eigenwalker.motion.gaps import Gap, fill_gaps, find_gaps
 from eigenwalker.motion.passes import split_passes
 from eigenwalker.motion.phase import phase_weights, stride_frequency
+from eigenwalker.motion.posture import reference_frames, stand_upright
 from eigenwalker.motion.preparation import prepare, prepare_walks
 from eigenwalker.motion.preparer import WalkPreparer
 from eigenwalker.motion.quality import WalkQuality, walk_quality
-from eigenwalker.motion.rig import Estimate, Rig, Segment
+from eigenwalker.motion.rig import Estimate, Posture, Rig, Segment
 from eigenwalker.motion.rigid import fit_rigid
 from eigenwalker.motion.rigs import RIGS, find_rig
 from eigenwalker.motion.robust import fit_harmonics_robust
@@ -42,6 +43,7 @@ __all__ = [
     "Gap",
     "JointWalk",
     "MarkerSet",
+    "Posture",
     "Rig",
     "Segment",
     "Skeleton",
@@ -77,12 +79,14 @@ __all__ = [
     "pool_walks",
     "prepare",
     "prepare_walks",
+    "reference_frames",
     "reference_phase",
     "resample",
     "rotvec_from_euler",
     "shift_phase",
     "spectrum",
     "split_passes",
+    "stand_upright",
     "stature",
     "steady_cadence",
     "stride_frequency",

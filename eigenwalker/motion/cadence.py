@@ -1,5 +1,6 @@
 """Steady cadence: where in its stride a walk is at each moment, and the walk without drift of its cadence."""
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -9,10 +10,11 @@ from scipy.interpolate import make_interp_spline
 from scipy.signal import fftconvolve
 
 from eigenwalker._validation import WalkError, check_finite
+from eigenwalker.motion.filtering import along_time
 from eigenwalker.motion.fourier import SEARCH_HARMONICS
 from eigenwalker.motion.heading import check_in_place
 from eigenwalker.motion.phase import phase_weights, stride_frequency
-from eigenwalker.motion.walk import JointWalk, Walk, check_marker_walk
+from eigenwalker.motion.walk import AnyWalk, JointWalk, Walk
 
 __all__ = ["StridePhase", "fit_phase", "steady_cadence", "stride_phase"]
 
@@ -176,7 +178,7 @@ def _project(
     return float(np.vdot(residual, residual)), drift @ np.linalg.lstsq(gram, right)[0]
 
 
-def steady_cadence(walk: Walk, *, n_terms: int | None = None) -> Walk:
+def steady_cadence(walk: AnyWalk, *, n_terms: int | None = None) -> AnyWalk:
     """Return the walk at constant cadence, with its mean frequency, first and last frame unchanged.
 
     What drifts is the time a stride takes and nothing else: each frame of the result shows the posture that the walk
@@ -185,14 +187,14 @@ def steady_cadence(walk: Walk, *, n_terms: int | None = None) -> Walk:
 
     Parameters
     ----------
-    walk : Walk
+    walk : Walk or JointWalk
         Prepared: without its path over the floor.
     n_terms : int, default None
         See `stride_phase`.
 
     Returns
     -------
-    Walk
+    Walk or JointWalk
         As many frames at the same rate. Events move to the frames of their phase.
 
     Raises
@@ -208,16 +210,17 @@ def steady_cadence(walk: Walk, *, n_terms: int | None = None) -> Walk:
     >>> bool(walk_quality(steady_cadence(walk)).explained_power >= walk_quality(walk).explained_power)
     True
     """
-    check_marker_walk(walk)
     phase, frequency = stride_phase(walk, n_terms=n_terms)
     frames = np.arange(walk.n_frames, dtype=np.float64)
     degree = min(5, walk.n_frames - 1)
     sources = make_interp_spline(phase, frames, k=min(3, degree))(np.linspace(0.0, phase[-1], walk.n_frames))
     sources = np.clip(sources, 0.0, frames[-1])  # the ends, against rounding
-    channels = make_interp_spline(frames, np.asarray(walk.channels, dtype=np.float64), k=degree)(sources)
+    known = walk.frequency if np.isnan(walk.frequency) else frequency
     events = tuple(event._replace(time=_moved(event.time, sources, walk.frame_rate)) for event in walk.events)
-    known = {} if np.isnan(walk.frequency) else {"frequency": frequency}
-    return walk.with_channels(channels, events=events, **known)
+    return along_time(
+        replace(walk, events=events, frequency=known),
+        lambda paths: make_interp_spline(frames, paths, k=degree)(sources),
+    )
 
 
 def _moved(time: float, sources: NDArray[np.float64], frame_rate: float) -> float:

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TypeVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,11 +12,9 @@ from scipy.signal import butter, sosfiltfilt
 
 from eigenwalker._validation import WalkError, check_finite, check_frame_rate
 from eigenwalker.motion.rotations import unroll_rotvec
-from eigenwalker.motion.walk import JointWalk, Walk
+from eigenwalker.motion.walk import AnyWalk, JointWalk, Walk
 
-__all__ = ["low_pass", "resample"]
-
-AnyWalk = TypeVar("AnyWalk", Walk, JointWalk)
+__all__ = ["along_time", "low_pass", "resample"]
 
 _PADDING = 3.0  # cycles of the cutoff by which both ends are continued; beyond it the filter has forgotten them
 _DEGREE = 5  # of splines: a quintic one follows a harmonic of 4 Hz at 30 frames a second to 1e-5 of its amplitude
@@ -80,7 +78,7 @@ def low_pass(walk: AnyWalk, *, cutoff: float = 6.0, order: int = 4) -> AnyWalk:
             f"walk {walk.name!r}: expected at least one cycle of the cutoff, {1 / cutoff:.3g} s, got "
             f"{walk.duration:.3g} s; use a longer recording"
         )
-    return _along_time(walk, lambda paths: filter_paths(paths, walk.frame_rate, cutoff, order))
+    return along_time(walk, lambda paths: filter_paths(paths, walk.frame_rate, cutoff, order))
 
 
 def filter_paths(paths: NDArray[np.float64], frame_rate: float, cutoff: float, order: int) -> NDArray[np.float64]:
@@ -143,7 +141,7 @@ def resample(walk: AnyWalk, *, frame_rate: float) -> AnyWalk:
     # Times in old frames. The last one may miss the last old frame by rounding, never by more.
     times = np.minimum(np.arange(n_frames) * (walk.frame_rate / frame_rate), walk.n_frames - 1)
     change = resample_paths if frame_rate > walk.frame_rate else project_paths
-    return _along_time(walk, lambda paths: change(paths, times), frame_rate=frame_rate)
+    return along_time(walk, lambda paths: change(paths, times), frame_rate=frame_rate)
 
 
 def resample_paths(paths: NDArray[np.float64], times: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -175,15 +173,14 @@ def _check_walk(walk: object) -> None:
             check_finite(path, [f"{joint} position {axis}" for axis in "xyz"], walk=walk.name)
 
 
-def _along_time(
-    walk: AnyWalk, change: Callable[[NDArray[np.float64]], NDArray[np.float64]], **fields: float
-) -> AnyWalk:
+def along_time(walk: AnyWalk, change: Callable[[NDArray[np.float64]], NDArray[np.float64]], **fields: Any) -> AnyWalk:
     """Return a walk in which `change` was made to all that moves, as one matrix of shape (n_frames, n_paths)."""
     if isinstance(walk, Walk):
         return walk.with_channels(change(np.asarray(walk.channels, dtype=np.float64)), **fields)
-    n_channels = len(walk.channel_names)
-    turning = unroll_rotvec(walk.rotations).reshape(walk.n_frames, n_channels)  # (n_frames, n_joints, 3) before
+    n_angles = 3 * len(walk.skeleton.joint_names)
+    turning = unroll_rotvec(walk.rotations).reshape(walk.n_frames, n_angles)  # (n_frames, n_joints, 3) before
     changed = change(np.hstack((turning, walk.root, *walk.translations.values())))
-    paths = np.split(changed[:, n_channels:], 1 + len(walk.translations), axis=1)
+    paths = np.split(changed[:, n_angles:], 1 + len(walk.translations), axis=1)
     translations = dict(zip(walk.translations, paths[1:], strict=True))
-    return walk.with_channels(changed[:, :n_channels], root=paths[0], translations=translations, **fields)
+    rotations = changed[:, :n_angles].reshape(len(changed), -1, 3)  # (n_frames, 3 n_joints) -> (n_frames, n_joints, 3)
+    return replace(walk, rotations=rotations, root=paths[0], translations=translations, **fields)

@@ -1,16 +1,21 @@
 """Rigs of skeletons: which joints of a family of files make the 15 markers."""
 
-from eigenwalker.motion.rig import Place, Rig
+from eigenwalker.motion.rig import STANDING, Place, Posture, Rig
 
 __all__ = ["JOINT_RIGS"]
 
 
-def _rig(name: str, *, trunk: dict[str, dict[str, float]], limbs: dict[str, str], flexion: dict[str, float]) -> Rig:
+def _rig(name: str, *, trunk: dict[str, dict[str, float]], limbs: dict[str, str], posture: Posture = STANDING) -> Rig:
     """Build a rig from its trunk and the pair of joints, "left|right", under each marker of the limbs."""
     markers: dict[str, Place] = dict(trunk)
     for marker, pair in limbs.items():
         markers[f"left_{marker}"], markers[f"right_{marker}"] = pair.split("|")
-    return Rig(name, markers, flexion)
+    return Rig(name, markers, posture)
+
+
+def _bandai_limbs(side: str) -> tuple[str, ...]:
+    joints = ("UpperArm", "LowerArm", "Hand", "UpperLeg", "LowerLeg", "Foot", "Toes")
+    return tuple(f"{joint}_{side}" for joint in joints)
 
 
 # The centre of the head lies above the joint between neck and skull. Where the file has no tip
@@ -30,7 +35,18 @@ _BANDAI = _rig(
         "knee": "LowerLeg_L|LowerLeg_R",
         "ankle": "Foot_L|Foot_R",
     },
-    flexion={},  # the maps of its hips lie near a half turn, where their sign is a matter of the first frame
+    posture=Posture(
+        axes={
+            "Hips": "xz-y",
+            **dict.fromkeys(("Spine", "Chest", "Neck", "Head"), "yzx"),
+            "Shoulder_L": "xyz",
+            "Shoulder_R": "-xy-z",
+            **dict.fromkeys(_bandai_limbs("L"), "x-zy"),
+            **dict.fromkeys(_bandai_limbs("R"), "-xzy"),
+        },
+        foot_pitch=40.0,  # standing, ankles are 118 to 120 mm above the floor, the toe joints 42 to 44 mm
+        toe_height=0.053,
+    ),
 )
 _LIMB_JOINTS = {
     "shoulder": "LeftArm|RightArm",
@@ -40,6 +56,7 @@ _LIMB_JOINTS = {
     "knee": "LeftLeg|RightLeg",
     "ankle": "LeftFoot|RightFoot",
 }
+_ACCLAIM = Posture(toe_height=0.03)  # the toe joints of the CMU database lie 20 to 25 mm above the floor
 _CMU = _rig(
     "cmu",
     trunk={
@@ -48,7 +65,7 @@ _CMU = _rig(
         "pelvis": {"LeftUpLeg": 0.5, "RightUpLeg": 0.5},
     },
     limbs=_LIMB_JOINTS,
-    flexion={"LeftUpLeg_y": -1.0, "RightUpLeg_y": 1.0},  # a turn about y, to the left, swings a leg back
+    posture=_ACCLAIM,
 )
 # A joint of ASF is the start of its bone. lwrist is the lower third of the forearm; the wrist is where lhand starts.
 _ASF = _rig(
@@ -66,7 +83,7 @@ _ASF = _rig(
         "knee": "ltibia|rtibia",
         "ankle": "lfoot|rfoot",
     },
-    flexion={"lfemur_y": -1.0, "rfemur_y": 1.0},
+    posture=_ACCLAIM,
 )
 
 
@@ -80,7 +97,6 @@ def _mixamo(name: str, prefix: str) -> Rig:
             "pelvis": {f"{prefix}LeftUpLeg": 0.5, f"{prefix}RightUpLeg": 0.5},
         },
         limbs={marker: "|".join(prefix + joint for joint in pair.split("|")) for marker, pair in _LIMB_JOINTS.items()},
-        flexion={},  # the axes of its bones depend on the program that wrote the file
     )
 
 

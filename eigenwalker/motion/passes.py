@@ -8,18 +8,18 @@ from numpy.typing import NDArray
 from scipy.ndimage import median_filter, uniform_filter1d
 
 from eigenwalker._validation import WalkError, check_finite
+from eigenwalker.motion.clip import cut
 from eigenwalker.motion.heading import across_pairs, leftward, leg_difference
 from eigenwalker.motion.runs import find_runs
 from eigenwalker.motion.walk import Walk, check_marker_walk
 
-__all__ = ["cut", "split_passes"]
+__all__ = ["split_passes"]
 
 _NEEDED = ("left_hip", "right_hip", "left_ankle", "right_ankle")
 _WINDOW = 1.0  # seconds, about a stride: its twist of the trunk is no turn
 _STRIDE = 1.2  # seconds over which the swing of the legs is measured
 _STANDING = 0.5  # of the swing of the legs while walking, below which a person stands
 _STILL = 0.05  # metres of that swing in which nobody walks, and noise of a sensor may lie
-_ROUNDING = 1e-6  # seconds by which an event in the first frame may miss it
 
 
 def split_passes(walk: Walk, *, turn_rate: float = 0.8, min_duration: float = 2.0) -> list[Walk]:
@@ -100,11 +100,3 @@ def _is_walking(walk: Walk) -> NDArray[np.bool_]:
     swing = np.sqrt(uniform_filter1d((difference - mean) ** 2, width, axis=0, mode="nearest").sum(axis=1))
     moving = swing[swing > _STILL / walk.size]  # however long a person stood before
     return swing >= _STANDING * (np.quantile(moving, 0.75) if moving.size else np.inf)
-
-
-def cut(walk: Walk, frames: slice) -> Walk:
-    """Keep a stretch of frames, and the events in it."""
-    start, end = frames.start / walk.frame_rate, frames.stop / walk.frame_rate
-    inside = [event for event in walk.events if start - _ROUNDING <= event.time < end]
-    events = tuple(event._replace(time=max(event.time - start, 0.0)) for event in inside)
-    return replace(walk, positions=walk.positions[frames], events=events)

@@ -1,34 +1,33 @@
 """From a recording to a walk in the treadmill frame."""
 
-import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from eigenwalker._collect import collect, report_refusals
 from eigenwalker._validation import check_choice, check_finite, check_walks
 from eigenwalker.motion.body import check_leg_length, stature
 from eigenwalker.motion.cadence import steady_cadence
+from eigenwalker.motion.clip import cut, guess_frequency, steady_frames, whole_frames, without_leaps
 from eigenwalker.motion.filtering import low_pass, resample
-from eigenwalker.motion.fourier import FREQUENCY_RANGE, coarse_frequency
+from eigenwalker.motion.fourier import FREQUENCY_RANGE
 from eigenwalker.motion.gaps import fill_gaps
 from eigenwalker.motion.heading import (
     facing,
     first_direction,
     floor_points,
-    leg_difference,
     one_stride,
     swing,
     travels,
     turn,
 )
-from eigenwalker.motion.passes import cut
-from eigenwalker.motion.path import stance_speed, steady_stretch
+from eigenwalker.motion.joint_preparation import joints_of_all, prepare_joints
+from eigenwalker.motion.path import stance_speed
 from eigenwalker.motion.phase import stride_frequency
-from eigenwalker.motion.runs import longest_run
+from eigenwalker.motion.rig import Place, Rig
 from eigenwalker.motion.strides import cut_to_strides
 from eigenwalker.motion.symmetry import symmetrize_walk
 from eigenwalker.motion.treadmill import refine_frequency, smooth_path, straighten, without_path
@@ -37,13 +36,15 @@ from eigenwalker.motion.walk import JointWalk, Walk
 __all__ = ["prepare", "prepare_walks"]
 
 _NEEDED = ("pelvis", "left_hip", "right_hip", "left_ankle", "right_ankle")
-_JUMP_SPEED = 15.0  # m/s of the pelvis between two frames; no body moves like that
-_ENOUGH_STRIDES = 2.0  # a steady part with fewer is widened
 
 
 def prepare(
     walk: Walk | JointWalk,
     *,
+    representation: str = "markers",
+    rig: Rig | Mapping[str, Place] | None = None,
+    reference: str | ArrayLike | None = None,
+    joints: Sequence[str] | None = None,
     max_gap: float | None = None,
     cutoff: float | None = None,
     frame_rate: float | None = None,
@@ -56,7 +57,7 @@ def prepare(
     cadence: str = "recorded",
     symmetrize: bool = False,
     frequency_range: tuple[float, float] | None = None,
-) -> Walk:
+) -> Any:
     """Return a walk as it would look on a treadmill, ready for the Fourier model.
 
     Joint walks and known sets of markers become walks of the 15 markers. Frames at both ends in which a marker is
@@ -77,6 +78,16 @@ def prepare(
     ----------
     walk : Walk or JointWalk
         One recording in one direction, with the markers pelvis, left and right hip and ankle.
+    representation : {"markers", "joints"}, default "markers"
+        "joints" keeps a joint walk one of joint rotations (Tilmanne & Dutoit 2012): limbs keep their length, and the
+        size of the body is no part of the style. See `prepare_joints`; gaps, a moving camera, ``heading="curve"`` and
+        `symmetrize` are for markers only.
+    rig : Rig or dict, default None
+        Which joints or markers make each of the 15; see `Walk.to_markers`. None recognises them by their names.
+    reference : "zero" or array-like of shape (n_joints, 3), default None
+        For joints: the posture from which rotations are counted, see `reference_frames`. None is the rig's.
+    joints : sequence of str, default None
+        For joints: whose rotations become channels. None is those that turn in this walk.
     max_gap : float, default None
         Longest gap that is filled, in seconds; see `fill_gaps`. None fills none, and a walk with gaps is refused.
     cutoff : float, default None
@@ -113,10 +124,13 @@ def prepare(
 
     Returns
     -------
-    Walk
+    Walk or JointWalk
+        A JointWalk for "joints", else a Walk.
 
     Raises
     ------
+    TypeError
+        If "joints" is asked for and the walk has markers.
     WalkError
         If a marker is missing, a value is not finite, legs are shorter than 0.3 m or longer than 1.3 m, the walk has
         no period, or has less than one stride. With "events" also if no foot strikes or leaves the floor twice, with
@@ -131,20 +145,39 @@ def prepare(
     >>> bool(abs(prepared.marker("pelvis")[:, :2].mean()) < 0.01), bool(prepared.speed > 0.5)
     (True, True)
     """
+    check_choice(representation, ("markers", "joints"), name="representation")
+    if representation == "joints":
+        return prepare_joints(
+            _check_for_joints(walk, max_gap=max_gap, camera=camera, heading=heading, symmetrize=symmetrize),
+            rig=rig,
+            reference=reference,
+            joints=joints,
+            cutoff=cutoff,
+            frame_rate=frame_rate,
+            clip=clip,
+            frequency=frequency,
+            heading=heading,
+            treadmill=treadmill,
+            normalize_size=normalize_size,
+            cadence=cadence,
+            frequency_range=frequency_range,
+        )
+    _check_for_markers(reference=reference, joints=joints)
     check_choice(camera, ("still", "moving"), name="camera")
     check_choice(clip, ("steady", "whole"), name="clip")
     check_choice(frequency, ("search", "events"), name="frequency")
     check_choice(heading, ("path", "curve", "body", None), name="heading")
     check_choice(cadence, ("recorded", "steady"), name="cadence")
     limits = FREQUENCY_RANGE if frequency_range is None else frequency_range
-    walk = _without_empty_ends(_as_markers(walk, max_gap))
+    walk = _as_markers(walk, rig, max_gap)
+    walk = cut(walk, whole_frames(walk))
     check_finite(walk.channels, walk.channel_names, walk=walk.name)
-    walk = _without_leaps(walk) if camera == "still" else _around_pelvis(walk)
+    walk = cut(walk, without_leaps(walk)) if camera == "still" else _around_pelvis(walk)
     walk = walk if cutoff is None else low_pass(walk, cutoff=cutoff)
     walk = walk if frame_rate is None else resample(walk, frame_rate=frame_rate)
     direction = first_direction(walk)
     if clip == "steady" and travels(walk):
-        walk = _steady_part(walk, direction, limits)
+        walk = cut(walk, steady_frames(walk, direction, limits))
     if frequency == "events":
         walk = _whole_strides(walk, direction)
     if camera == "moving":
@@ -158,44 +191,45 @@ def prepare(
     return replace(varied, frequency=np.nan) if frequency_range is None and np.isnan(walk.frequency) else varied
 
 
-def _as_markers(walk: Walk | JointWalk, max_gap: float | None) -> Walk:
+def _check_for_joints(
+    walk: Walk | JointWalk, *, max_gap: float | None, camera: str, heading: str | None, symmetrize: bool
+) -> JointWalk:
+    """Return a joint walk, or raise if it cannot be prepared in the way that is asked for."""
+    if not isinstance(walk, JointWalk):
+        raise TypeError(
+            f"representation='joints' needs a JointWalk, as BVH and AMC files hold, got {type(walk).__name__}; markers "
+            "do not say how joints turn"
+        )
+    asked = {
+        "max_gap": max_gap is not None,
+        "camera='moving'": camera != "still",
+        "heading='curve'": heading == "curve",
+        "symmetrize=True": symmetrize,
+    }
+    wrong = [name for name, given in asked.items() if given]
+    if wrong:
+        raise ValueError(f"{', '.join(wrong)} can be asked for with representation='markers' only")
+    return walk
+
+
+def _check_for_markers(**options: object) -> None:
+    wrong = [name for name, value in options.items() if value is not None]
+    if wrong:
+        raise ValueError(f"{' and '.join(wrong)} can be given with representation='joints' only")
+
+
+def _as_markers(walk: Walk | JointWalk, rig: Rig | Mapping[str, Place] | None, max_gap: float | None) -> Walk:
     """Return a walk of markers that has those needed; gaps are filled while all recorded markers are there to help."""
     if isinstance(walk, JointWalk):
-        markers = walk.to_markers()
+        markers = walk.to_markers(rig)
     elif isinstance(walk, Walk):
         filled = walk if max_gap is None else fill_gaps(walk, max_gap=max_gap)
-        markers = filled if set(_NEEDED) <= set(walk.marker_set.names) else filled.to_markers()
+        known = rig is None and set(_NEEDED) <= set(walk.marker_set.names)
+        markers = filled if known else filled.to_markers(rig)
     else:
         raise TypeError(f"expected a Walk or a JointWalk, got {type(walk).__name__}")
     check_leg_length(markers)
     return markers
-
-
-def _without_empty_ends(walk: Walk) -> Walk:
-    """Keep the frames from the first to the last one that has all markers, and say how many are left out."""
-    whole = np.flatnonzero(np.isfinite(walk.channels).all(axis=1))
-    if not whole.size or whole[-1] - whole[0] + 1 == walk.n_frames:
-        return walk
-    warnings.warn(
-        f"walk {walk.name!r}: not all markers were seen yet, or any more; kept frames {whole[0]} to {whole[-1]} of "
-        f"{walk.n_frames} and left the other {walk.n_frames - 1 - whole[-1] + whole[0]} out",
-        stacklevel=3,
-    )
-    return cut(walk, slice(whole[0], whole[-1] + 1))
-
-
-def _without_leaps(walk: Walk) -> Walk:
-    """Keep the longest run of frames without a leap of the pelvis, and say which frames are left out."""
-    steps = np.linalg.norm(np.diff(walk.marker("pelvis"), axis=0), axis=1) * walk.frame_rate
-    if not (steps > _JUMP_SPEED).any():
-        return walk
-    first, last = longest_run(steps <= _JUMP_SPEED)
-    warnings.warn(
-        f"walk {walk.name!r}: the pelvis leaps at {steps.max():.0f} m/s; kept frames {first} to {last} of "
-        f"{walk.n_frames} and left the other {walk.n_frames - 1 - last + first} out",
-        stacklevel=3,
-    )
-    return cut(walk, slice(first, last + 1))
 
 
 def _around_pelvis(walk: Walk) -> Walk:
@@ -211,26 +245,9 @@ def _above_ankles(walk: Walk, frequency: float) -> Walk:
     return replace(walk, positions=walk.positions - np.array([0.0, 0.0, mean]))
 
 
-def _guess_frequency(walk: Walk, direction: NDArray[np.float64], frequency_range: tuple[float, float]) -> float:
-    if not np.isnan(walk.frequency):
-        return walk.frequency
-    difference = leg_difference(walk) @ direction
-    return coarse_frequency(difference, walk.frame_rate, frequency_range=frequency_range, name=walk.name)
-
-
 def _frequency_in_place(walk: Walk, direction: NDArray[np.float64], frequency_range: tuple[float, float]) -> float:
     """Return the stride frequency of a walk that stays in place, whichever way it leads."""
-    return refine_frequency(walk, _guess_frequency(walk, direction, frequency_range))
-
-
-def _steady_part(walk: Walk, direction: NDArray[np.float64], frequency_range: tuple[float, float]) -> Walk:
-    frequency = _guess_frequency(walk, direction, frequency_range)
-    pelvis = floor_points(walk, "pelvis")
-    for tolerance in np.arange(0.2, 1.0, 0.1):
-        frames = steady_stretch(pelvis, walk.frame_rate, frequency, tolerance=tolerance)
-        if (frames.stop - frames.start) * frequency / walk.frame_rate >= _ENOUGH_STRIDES:
-            return cut(walk, frames)
-    return walk
+    return refine_frequency(walk, guess_frequency(walk, direction, frequency_range))
 
 
 def _whole_strides(walk: Walk, direction: NDArray[np.float64]) -> Walk:
@@ -251,9 +268,9 @@ def _to_heading(
         direction = swing(walk, stride)
         walk = _with_belt(walk, direction)
     elif heading == "curve":
-        return straighten(walk, _guess_frequency(walk, direction, frequency_range), treadmill=treadmill)
+        return straighten(walk, guess_frequency(walk, direction, frequency_range), treadmill=treadmill)
     else:
-        path, stride = smooth_path(walk, _guess_frequency(walk, direction, frequency_range))
+        path, stride = smooth_path(walk, guess_frequency(walk, direction, frequency_range))
         direction = path.velocity
         walk = without_path(walk, path.points) if treadmill else walk
     if heading is None:
@@ -287,7 +304,7 @@ def prepare_walks(
     progress: bool = False,
     on_error: str = "raise",
     **options: Any,
-) -> list[Walk]:
+) -> list[Any]:
     """Return the prepared walks of a list, in its order.
 
     Parameters
@@ -301,11 +318,12 @@ def prepare_walks(
     on_error : {"raise", "skip"}, default "raise"
         Whether refused walks raise one error that lists them all, or are left out with one warning that lists them.
     **options
-        Arguments of `prepare`.
+        Arguments of `prepare`. With ``representation="joints"`` all walks get the channels of the joints that turn in
+        any of them, unless `joints` says which.
 
     Returns
     -------
-    list of Walk
+    list of Walk or JointWalk
 
     Raises
     ------
@@ -315,6 +333,8 @@ def prepare_walks(
     check_choice(on_error, ("raise", "skip"), name="on_error")
     walks = check_walks(walks, kind=(Walk, JointWalk))
     names = [walk.name or f"walk {position}" for position, walk in enumerate(walks)]
+    if options.get("representation") == "joints" and options.get("joints") is None:
+        options["joints"] = joints_of_all(walks)
     results, refusals = collect(
         lambda walk: prepare(walk, **options), walks, names, n_jobs=n_jobs, progress=progress, description="prepare"
     )

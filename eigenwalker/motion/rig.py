@@ -1,7 +1,7 @@
 """A rig says how recorded markers, or the joints of a skeleton, lead to the 15 markers."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from numbers import Real
 from typing import NamedTuple, TypeAlias
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from eigenwalker.motion.skeleton import FEET, TROJE15
 
-__all__ = ["Estimate", "Place", "Rig", "Segment", "as_rig", "locate", "sources"]
+__all__ = ["Estimate", "Place", "Posture", "Rig", "Segment", "as_rig", "locate", "sources"]
 
 
 class Estimate(NamedTuple):
@@ -48,6 +48,35 @@ class Segment(NamedTuple):
     carried: tuple[str, ...]
 
 
+class Posture(NamedTuple):
+    """How the bodies of a family of skeletons stand at ease: upright, legs straight, arms hanging, feet flat.
+
+    Parameters
+    ----------
+    axes : mapping of str to str, default empty
+        Where a joint's own x, y and z point then, such as "x-zy": ahead, down, and to the left. Joints that are not
+        named point where they do when all rotations are zero.
+    foot_pitch : float, default None
+        By how many degrees the bone from ankle to toe joint points below the horizontal. None leaves feet as they are
+        against the shank when all rotations are zero.
+    toe_height : float, default 0.05
+        Height of the toe joint above the floor, in lengths of the leg from hip to ankle.
+    heel_back : float, default 0.06
+        How far the heel's end lies behind the ankle, in lengths of the leg.
+    toe_ahead : float, default 0.07
+        How far the toes reach beyond their joint, in lengths of the leg.
+    """
+
+    axes: Mapping[str, str] = {}
+    foot_pitch: float | None = None
+    toe_height: float = 0.05
+    heel_back: float = 0.06
+    toe_ahead: float = 0.07
+
+
+STANDING = Posture()
+
+
 def locate(place: Place, names: Sequence[str], positions: NDArray[np.floating]) -> NDArray[np.float64]:
     """Return the path of a place, shape (n_frames, 3), from positions of shape (n_frames, n_names, 3)."""
     if isinstance(place, Estimate):
@@ -81,16 +110,15 @@ class Rig:
         For each marker of `TROJE15` the joint or marker it is, or those it lies between with weights that sum to one,
         or an `Estimate`. A weight beyond one carries the marker past a joint along a bone. The markers of the feet
         (left_heel, left_toe, right_heel, right_toe) may be added.
-    hip_flexion : mapping of str to float
-        Channels of a `JointWalk`, with weights, whose sum is left minus right hip flexion. Empty where no channels
-        say so for all walks of the rig.
+    posture : Posture, default STANDING
+        The reference posture of skeletons, from which their joints are counted.
     segments : tuple of Segment, default ()
         How a static trial completes the markers of a walk. A marker that two segments carry is put midway.
     """
 
     name: str
     markers: Mapping[str, Place]
-    hip_flexion: Mapping[str, float] = field(default_factory=dict)
+    posture: Posture = STANDING
     segments: tuple[Segment, ...] = ()
 
     def __post_init__(self) -> None:
@@ -102,6 +130,13 @@ class Rig:
     def sources(self) -> frozenset[str]:
         """The joints or markers that the 15 markers need."""
         return frozenset(name for marker in TROJE15.names for name in sources(self.markers[marker]))
+
+    def joint(self, marker: str) -> str:
+        """Return the joint that a marker is, or raise where it lies between several."""
+        place = self.markers[marker]
+        if not isinstance(place, str):
+            raise ValueError(f"rig {self.name!r}: expected one joint for {marker}, got {place!r}")
+        return place
 
     def place(
         self, names: Sequence[str], positions: NDArray[np.floating], markers: Sequence[str] = TROJE15.names

@@ -8,12 +8,14 @@ from collections.abc import Sequence
 import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.transform import Rotation
 
 __all__ = [
     "euler_from_rotvec",
     "forward_kinematics",
     "rotvec_from_channels",
     "rotvec_from_euler",
+    "turn_frames",
     "unroll_rotvec",
 ]
 
@@ -290,6 +292,60 @@ def _unroll_one(out, frame, joint):
     if before > np.pi:
         scale = turn * np.round(before / turn) / before
         out[frame, joint, 0], out[frame, joint, 1], out[frame, joint, 2] = scale * px, scale * py, scale * pz
+
+
+def turn_frames(
+    rotations: NDArray[np.floating], before: NDArray[np.floating], after: NDArray[np.floating]
+) -> NDArray[np.float64]:
+    """Return A R B of each joint's rotations R, without jumps from frame to frame.
+
+    Where the frame of each joint is turned by G against the one it had, with the parent's G as A and the transpose of
+    the joint's own G as B, the result is the same motion of the turned frames.
+
+    Parameters
+    ----------
+    rotations : ndarray of shape (n_frames, n_joints, 3)
+        Exponential maps R, in radians.
+    before, after : ndarray of shape (n_joints, 3, 3)
+        Rotation matrices A and B.
+
+    Returns
+    -------
+    ndarray of shape (n_frames, n_joints, 3)
+        In radians; the first frame has angles of at most pi.
+    """
+    left, right = (Rotation.from_matrix(part).as_quat(scalar_first=True) for part in (before, after))
+    return _turn_frames(np.ascontiguousarray(rotations, dtype=np.float64), left, right)
+
+
+@njit(cache=True, nogil=True)
+def _turn_frames(rotations, left, right):
+    n_frames, n_joints, _ = rotations.shape
+    out = np.empty((n_frames, n_joints, 3))
+    for frame in range(n_frames):
+        for joint in range(n_joints):
+            x, y, z = rotations[frame, joint]
+            angle = np.sqrt(x * x + y * y + z * z)
+            scale = 0.5 if angle < 1e-12 else np.sin(0.5 * angle) / angle
+            a, b = left[joint], right[joint]
+            w, x, y, z = np.cos(0.5 * angle), scale * x, scale * y, scale * z
+            w, x, y, z = _quaternion_product(a[0], a[1], a[2], a[3], w, x, y, z)
+            w, x, y, z = _quaternion_product(w, x, y, z, b[0], b[1], b[2], b[3])
+            scale = _logarithm_scale(w, x, y, z)
+            out[frame, joint, 0], out[frame, joint, 1], out[frame, joint, 2] = scale * x, scale * y, scale * z
+            if frame > 0:
+                _unroll_one(out, frame, joint)
+    return out
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _quaternion_product(aw, ax, ay, az, bw, bx, by, bz):
+    return (
+        aw * bw - ax * bx - ay * by - az * bz,
+        aw * bx + ax * bw + ay * bz - az * by,
+        aw * by - ax * bz + ay * bw + az * bx,
+        aw * bz + ax * by - ay * bx + az * bw,
+    )
 
 
 def forward_kinematics(

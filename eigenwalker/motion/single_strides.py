@@ -3,15 +3,16 @@
 from collections.abc import Mapping
 from dataclasses import replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eigenwalker._validation import WalkError, check_finite
+from eigenwalker.motion.clip import cut
 from eigenwalker.motion.fourier import SEARCH_HARMONICS, reference_phase
-from eigenwalker.motion.passes import cut
 from eigenwalker.motion.phase import phase_weights, stride_frequency
-from eigenwalker.motion.walk import JointWalk, Walk
+from eigenwalker.motion.walk import AnyWalk
 
 __all__ = ["count_strides", "split_strides"]
 
@@ -21,9 +22,7 @@ _LACKING = 1.5  # frames that the first and the last stride may lack, where a wa
 _ROUNDING = 1e-6  # frames by which a start that lies on a frame may miss it
 
 
-def split_strides(
-    walk: Walk | JointWalk, *, phase_reference: str | Mapping[str, float] = "auto"
-) -> list[Walk | JointWalk]:
+def split_strides(walk: Walk | JointWalk, *, phase_reference: str | Mapping[str, float] = "auto") -> list[Any]:
     """Return the single strides of a walk, from phase zero to phase zero, each with its own `frequency`.
 
     Phase zero is where the phase reference is furthest ahead, see `phase_weights`; when it is passed is found from all
@@ -154,12 +153,8 @@ def _beyond_ends(counts: NDArray[np.floating]) -> NDArray[np.floating]:
     return np.concatenate((counts[0] + first * np.array([-2, -1]), counts, counts[-1] + last * np.array([1, 2])))
 
 
-def _cut_stride(walk: Walk | JointWalk, start: float, end: float, number: int) -> Walk | JointWalk:
+def _cut_stride(walk: Any, start: float, end: float, number: int) -> Any:
     """Keep the frames from a start to before the next; both need not lie on a frame."""
     frames = slice(max(0, int(np.ceil(start - _ROUNDING))), int(np.ceil(end - _ROUNDING)))
     name, frequency = f"{walk.name}_stride{number}", float(walk.frame_rate / (end - start))
-    if isinstance(walk, Walk):
-        return replace(cut(walk, frames), name=name, frequency=frequency)
-    moving = {joint: path[frames] for joint, path in walk.translations.items()}
-    turned, root = walk.rotations[frames], walk.root[frames]
-    return replace(walk, rotations=turned, root=root, translations=moving, events=(), name=name, frequency=frequency)
+    return replace(cut(walk, frames), name=name, frequency=frequency)

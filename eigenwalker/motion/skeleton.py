@@ -114,6 +114,9 @@ class Skeleton:
     rotation_orders : tuple of str, default None
         For each joint the order, such as "XYZ", in which files write its angles: the letters are the package's axes,
         as in `euler_from_rotvec`. It changes no rotation. None leaves the orders to whoever writes a file.
+    upright : bool, default False
+        Whether the body stands at ease along x where all rotations are zero, with all joints' own axes along those of
+        the room: what `stand_upright` makes. Then a turn about y, to the left, swings a leg back in every skeleton.
     """
 
     joint_names: tuple[str, ...]
@@ -123,6 +126,7 @@ class Skeleton:
     end_offsets: NDArray[np.floating] = field(default_factory=lambda: np.empty((0, 3)))
     root: int = 0
     rotation_orders: tuple[str, ...] | None = None
+    upright: bool = False
 
     def __post_init__(self) -> None:
         names = check_names(self.joint_names, name="joint_names")
@@ -148,6 +152,23 @@ class Skeleton:
 
     def __setstate__(self, state: dict[str, object]) -> None:
         restore_read_only(self, state)
+
+    def index(self, joint: str) -> int:
+        """Return the position of a joint, or raise an error that lists the names."""
+        if joint not in self.joint_names:
+            raise ValueError(f"no joint {joint!r}; this skeleton has {', '.join(self.joint_names)}")
+        return self.joint_names.index(joint)
+
+    def in_order(self, joints: Iterable[str]) -> tuple[str, ...]:
+        """Return joints in the order of the skeleton, or raise an error that lists its names."""
+        return tuple(self.joint_names[place] for place in sorted({self.index(joint) for joint in joints}))
+
+    def above(self, joint: int) -> list[int]:
+        """Return the positions of the joints from the top of the tree down to the parent of a joint."""
+        found: list[int] = []
+        while (joint := int(self.parents[joint])) >= 0:
+            found.insert(0, joint)
+        return found
 
 
 def _check_orders(orders: Iterable[str], n_joints: int) -> tuple[str, ...]:

@@ -10,14 +10,14 @@ from scipy.interpolate import make_interp_spline
 
 from eigenwalker._collect import collect, report_refusals
 from eigenwalker._validation import WalkError, check_finite, check_walks
+from eigenwalker.motion.clip import cut
 from eigenwalker.motion.fourier import fit_harmonics, reference_phase
 from eigenwalker.motion.gait import SIDES, detect_events, heel_strikes, toe_offs
-from eigenwalker.motion.passes import cut
 from eigenwalker.motion.phase import phase_weights, stride_frequency
 from eigenwalker.motion.symmetry import one_stride_at_least
 from eigenwalker.motion.walk import Walk
 
-__all__ = ["cut_to_strides", "pool_walks"]
+__all__ = ["cut_to_strides", "pool_walks", "stride_frames"]
 
 _UNEVEN = 1.6  # longest stride over shortest, above which they cannot all be single strides
 _LACKING = 1  # frames by which a walk may be shorter than so many strides, besides the one that starts the next
@@ -49,6 +49,12 @@ def cut_to_strides(walk: Walk) -> Walk:
         If no foot strikes or leaves the floor twice, or if one stride is much longer than another, so that an event
         must be missing between its two.
     """
+    frames, frequency = stride_frames(walk)
+    return replace(cut(detect_events(walk), frames), frequency=frequency)
+
+
+def stride_frames(walk: Walk) -> tuple[slice, float]:
+    """Return the frames that `cut_to_strides` keeps, and the stride frequency in them."""
     times = _event_times(walk)
     strides = np.diff(times)
     if strides.max() > _UNEVEN * strides.min():
@@ -58,7 +64,7 @@ def cut_to_strides(walk: Walk) -> Walk:
         )
     first = max(0, int(np.floor(times[0] * walk.frame_rate + _ROUNDING)))
     last = min(walk.n_frames - 1, int(np.ceil(times[-1] * walk.frame_rate - _ROUNDING)))
-    return replace(cut(detect_events(walk), slice(first, last + 1)), frequency=float(len(strides) / strides.sum()))
+    return slice(first, last + 1), float(len(strides) / strides.sum())
 
 
 def _event_times(walk: Walk) -> NDArray[np.float64]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,7 +14,7 @@ from eigenwalker.motion.rotations import forward_kinematics
 from eigenwalker.motion.skeleton import TROJE15, TROJE15_AND_FEET, MarkerSet, Skeleton
 from eigenwalker.motion.static_trial import carry_markers, hold_legs
 
-__all__ = ["Event", "JointWalk", "Walk", "check_marker_walk"]
+__all__ = ["AnyWalk", "Event", "JointWalk", "Walk", "check_marker_walk"]
 
 _AXES = ("x", "y", "z")
 
@@ -214,6 +214,9 @@ class JointWalk:
         Known events, ordered by time.
     frequency : float, default NaN
         Strides per second, where they are known from events or from a file; NaN leaves them to be found in the motion.
+    channel_joints : tuple of str, default None
+        The joints whose rotations are `channels`, in the order of the skeleton: `prepare` leaves those out that stand
+        still. None is all of them.
     """
 
     rotations: NDArray[np.floating]
@@ -226,6 +229,7 @@ class JointWalk:
     translations: Mapping[str, NDArray[np.floating]] = field(default_factory=dict)
     events: tuple[Event, ...] = ()
     frequency: float = float("nan")
+    channel_joints: tuple[str, ...] | None = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.skeleton, Skeleton):
@@ -242,6 +246,8 @@ class JointWalk:
             for joint, path in self.translations.items()
         }
         object.__setattr__(self, "translations", moving)
+        if self.channel_joints is not None:
+            object.__setattr__(self, "channel_joints", self.skeleton.in_order(self.channel_joints))
         _check_common(self)
 
     def __setstate__(self, state: dict[str, object]) -> None:
@@ -259,38 +265,53 @@ class JointWalk:
 
     @property
     def channels(self) -> NDArray[np.floating]:
-        """The rotations as a matrix, shape (n_frames, n_channels), n_channels = 3 n_joints."""
-        return self.rotations.reshape(self.n_frames, -1)  # (n_frames, n_joints, 3) -> (n_frames, 3 n_joints)
+        """The rotations as a matrix, shape (n_frames, n_channels), three channels a joint of `channel_joints`."""
+        picked = self.rotations if self.channel_joints is None else self.rotations[:, self._columns()]
+        return picked.reshape(self.n_frames, -1)  # (n_frames, n_joints, 3) -> (n_frames, 3 n_joints)
 
     @property
     def channel_names(self) -> tuple[str, ...]:
         """Names of the channels, ``LeftUpLeg_y`` and so on."""
-        return tuple(f"{joint}_{axis}" for joint in self.skeleton.joint_names for axis in _AXES)
+        joints = self.skeleton.joint_names if self.channel_joints is None else self.channel_joints
+        return tuple(f"{joint}_{axis}" for joint in joints for axis in _AXES)
+
+    def _columns(self) -> NDArray[np.intp]:
+        """Positions of the joints that have channels, shape (n_channels / 3,)."""
+        names = self.skeleton.joint_names
+        joints = names if self.channel_joints is None else self.channel_joints
+        return np.array([names.index(joint) for joint in joints], dtype=np.intp)
 
     @property
     def phase_channels(self) -> dict[str, float]:
-        """Channels, with weights, whose sum carries the phase: left minus right hip flexion, named by the rig.
+        """Channels, with weights, whose sum carries the phase: left minus right hip flexion.
 
         Raises
         ------
         ValueError
-            If no rig is recognised, or if it names no such channels.
+            If no rig is recognised, or if the skeleton's axes are those of a file, in which flexion is anything.
         """
-        rig = find_rig(self.skeleton.joint_names)
-        if not rig.hip_flexion:
+        if not self.skeleton.upright:
             raise ValueError(
-                f"rig {rig.name!r} names no channels of hip flexion; pass phase_reference={{channel: weight}} whose "
-                "sum is left minus right"
+                f"walk {self.name!r}: in the axes of a file no channel is hip flexion; bring it to the axes of the "
+                "room, prepare(walk, representation='joints') or stand_upright(walk), or pass "
+                "phase_reference={channel: weight} whose sum is left minus right"
             )
-        return dict(rig.hip_flexion)
+        rig = find_rig(self.skeleton.joint_names)
+        return {f"{rig.joint('left_hip')}_y": -1.0, f"{rig.joint('right_hip')}_y": 1.0}
 
     def with_channels(self, channels: ArrayLike, **changes: Any) -> "JointWalk":
         """Return a copy with other rotations, shape (n_frames, n_channels), and with `changes` of other fields.
 
-        The root path must be among the changes when the number of frames is another one.
+        The root path must be among the changes when the number of frames is another one. Joints without channels then
+        stand as in the first frame.
         """
         matrix = check_array(channels, shape=("n_frames", len(self.channel_names)), name="channels")
-        rotations = matrix.reshape(len(matrix), -1, 3)  # (n_frames, 3 n_joints) -> (n_frames, n_joints, 3)
+        turning = matrix.reshape(len(matrix), -1, 3)  # (n_frames, 3 n_joints) -> (n_frames, n_joints, 3)
+        if self.channel_joints is None:
+            return replace(self, rotations=turning, **changes)
+        same = len(matrix) == self.n_frames
+        rotations = np.array(self.rotations) if same else np.repeat(self.rotations[:1], len(matrix), axis=0)
+        rotations[:, self._columns()] = turning
         return replace(self, rotations=rotations, **changes)
 
     def joint_positions(self) -> NDArray[np.float64]:
@@ -336,6 +357,10 @@ class JointWalk:
             local[:, skeleton.joint_names.index(joint)] = path
         local[:, skeleton.root] = self.root
         return local
+
+
+AnyWalk = TypeVar("AnyWalk", Walk, JointWalk)
+"""Of what a function returns the same kind that it takes."""
 
 
 def _check_common(walk: Walk | JointWalk) -> None:

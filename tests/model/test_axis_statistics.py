@@ -31,7 +31,7 @@ from eigenwalker.model import (
     settings_of,
 )
 from eigenwalker.motion import JointWalk, Skeleton, WalkPreparer
-from eigenwalker.motion.passes import cut
+from eigenwalker.motion.clip import cut
 
 FAST = {"n_harmonics": [1, 2], "n_permutations": 99, "n_resamples": 20, "random_state": 0}
 EXACT = {"rtol": 0, "atol": 1e-8}
