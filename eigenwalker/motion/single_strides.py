@@ -12,7 +12,7 @@ from eigenwalker._validation import WalkError, check_finite
 from eigenwalker.motion.clip import cut
 from eigenwalker.motion.fourier import SEARCH_HARMONICS, reference_phase
 from eigenwalker.motion.phase import phase_weights, stride_frequency
-from eigenwalker.motion.walk import AnyWalk
+from eigenwalker.motion.walk import JointWalk, Walk
 
 __all__ = ["count_strides", "split_strides"]
 
