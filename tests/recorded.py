@@ -7,7 +7,7 @@ from pathlib import Path
 from eigenwalker import read_walks
 from eigenwalker.motion import prepare_walks
 
-__all__ = ["bandai_walks", "cmu_walks", "style"]
+__all__ = ["bandai_joints", "bandai_walks", "cmu_joints", "cmu_walks", "style"]
 
 
 @cache
@@ -25,6 +25,27 @@ def cmu_walks(data_dir: Path):
         warnings.simplefilter("always")
         prepared = prepare_walks(recorded)
     return recorded, prepared, [str(entry.message) for entry in caught]
+
+
+@cache
+def bandai_joints(data_dir: Path, n_walks: int | None = None):
+    """Return walks of `bandai2` in joint angles, the first few of each style."""
+    files = sorted((data_dir / "bandai2").glob("*.bvh"))
+    by_style = {}
+    for file in files:
+        by_style.setdefault(file.stem.split("_")[2], []).append(file)
+    return prepare_walks(
+        read_walks([file for found in by_style.values() for file in found[:n_walks]]), representation="joints"
+    )
+
+
+@cache
+def cmu_joints(data_dir: Path):
+    """Return the 27 walks of `cmu_bvh` in joint angles."""
+    recorded = read_walks(sorted((data_dir / "cmu_bvh").glob("*.bvh")), unit=0.0564)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of frames that are left out at a start
+        return prepare_walks(recorded, representation="joints")
 
 
 def style(walk):

@@ -46,6 +46,7 @@ from eigenwalker import (
     save_model,
 )
 from eigenwalker.persistence import describe_model
+from tests.joint_bodies import over_floor, swinging
 from tests.mutated_files import memory_limit
 from tests.mutations import mutate_json
 from tests.synthetic import make_walk
@@ -82,6 +83,14 @@ def _fit_joints(walkers):
     model = make_eigenwalkers(n_components=2).set_params(
         linearizer__phase_reference={"LeftUpLeg_y": 1.0, "RightUpLeg_y": -1.0}
     )
+    return model.fit(walks, np.arange(6.0)), walks
+
+
+def _fit_joint_recordings(walkers):
+    walks = [over_floor(swinging(0.1 * np.arange(400), seed=seed, frame_rate=60.0)) for seed in range(6)]
+    reference = np.zeros((len(walks[0].skeleton.joint_names), 3))
+    preparer = WalkPreparer(representation="joints", reference=reference, normalize_size=True)
+    model = Pipeline([("preparer", preparer), *make_eigenwalkers(n_components=2, extras=("speed",)).steps])
     return model.fit(walks, np.arange(6.0)), walks
 
 
@@ -126,6 +135,7 @@ MODELS = {
     "labels true and false, regressed": _on_scores(TraitRegressor()),
     "labels 0 and 1": _on_scores(TraitClassifier(), (0, 1)),
     "joint walks": _fit_joints,
+    "joint recordings": _fit_joint_recordings,
     "recordings": _fit_recordings,
     "pandas": _fit_pandas,
     "missing labels": _fit_missing,
@@ -254,6 +264,18 @@ def test_templates_stay_read_only(models, path):
         save_model(models[name][0], path)
         template = load_model(path)["linearizer"].template_
         assert not any(getattr(template, array).flags.writeable for array in arrays)
+
+
+def test_prepared_joints_come_back(models, path):
+    """The template stands upright and has the same channels; the preparer knows which joints those are."""
+    model, walks = models["joint recordings"]
+    save_model(model, path)
+    loaded = load_model(path)
+    assert loaded["preparer"].joints_ == model["preparer"].joints_ == walks[0].skeleton.joint_names
+    template = loaded["linearizer"].template_
+    assert template.skeleton.upright
+    assert template.channel_joints == model["linearizer"].template_.channel_joints
+    assert template.phase_channels == {"LeftUpLeg_y": -1.0, "RightUpLeg_y": 1.0}
 
 
 def test_settings_come_back_without_a_fit(walkers, path):

@@ -35,6 +35,8 @@ class Preparation:
         Whether recordings are split at turns and stops.
     feet : bool, default False
         Whether markers of heels and toes are kept where there are any.
+    joints : bool, default False
+        Whether walks are those of joint angles.
     options : dict, default empty
         Arguments of `prepare`.
     """
@@ -44,6 +46,7 @@ class Preparation:
     max_gap: float | None = None
     passes: bool = False
     feet: bool = False
+    joints: bool = False
     options: dict[str, Any] = field(default_factory=dict)
 
 
@@ -107,6 +110,8 @@ def make_preparation(options: argparse.Namespace, *, reading: dict[str, object],
     limits = options.frequency_range
     if limits is not None and limits[0] >= limits[1]:
         raise ValueError(f"--frequency-range must be LOW HIGH, the lower one first, got {limits[0]:g} {limits[1]:g}")
+    if getattr(options, "representation", "markers") == "joints":
+        return _of_joints(options, limits)
     return Preparation(
         rig=read_marker_map(options.markers) if options.markers is not None else None,
         static=_read_static(options.static, reading) if options.static is not None else None,
@@ -124,6 +129,31 @@ def make_preparation(options: argparse.Namespace, *, reading: dict[str, object],
     )
 
 
+def _of_joints(options: argparse.Namespace, limits: list[float] | None) -> Preparation:
+    """Return the preparation of walks in joint angles, or raise if it is one of markers that was asked for."""
+    asked = {
+        "--static": options.static is not None,
+        "--passes": options.passes,
+        "--camera moving": options.camera != "still",
+        "--max-gap": options.max_gap is not None,
+        "--symmetrize": options.symmetrize,
+    }
+    wrong = [name for name, given in asked.items() if given]
+    if wrong:
+        raise ValueError(f"{', '.join(wrong)} can be asked for with --representation markers only")
+    return Preparation(
+        joints=True,
+        options={
+            "representation": "joints",
+            "rig": read_marker_map(options.markers) if options.markers is not None else None,
+            "cutoff": options.cutoff,
+            "frequency": options.frequency,
+            "frequency_range": None if limits is None else tuple(limits),
+            "cadence": "steady" if options.steady_cadence else "recorded",
+        },
+    )
+
+
 def _read_static(path: Path, reading: dict[str, object]) -> Walk:
     static = read_walk(path, **reading)
     if not isinstance(static, Walk):
@@ -131,11 +161,13 @@ def _read_static(path: Path, reading: dict[str, object]) -> Walk:
     return static
 
 
-def find_walks(recording: Walk | JointWalk, preparation: Preparation) -> list[Walk] | list[Walk | JointWalk]:
+def find_walks(recording: Walk | JointWalk, preparation: Preparation) -> list[Any]:
     """Return the walks in a recording that `prepare` may take: one, or its passes.
 
     Gaps are filled first, while all recorded markers are there to help.
     """
+    if preparation.joints:
+        return [_check_joints(recording)]
     if preparation.max_gap is not None and isinstance(recording, Walk):
         recording = fill_gaps(recording, max_gap=preparation.max_gap)
     if preparation.passes:
@@ -143,6 +175,15 @@ def find_walks(recording: Walk | JointWalk, preparation: Preparation) -> list[Wa
     feet = preparation.feet and _has_feet(recording, preparation)
     is_asked = feet or preparation.rig is not None or preparation.static is not None
     return [_to_markers(recording, preparation) if is_asked else recording]
+
+
+def _check_joints(recording: Walk | JointWalk) -> JointWalk:
+    if not isinstance(recording, JointWalk):
+        raise WalkError(
+            f"walk {recording.name!r}: expected a skeleton with joints, such as a BVH or AMC file has, for "
+            "--representation joints, got markers, which do not say how joints turn"
+        )
+    return recording
 
 
 def _to_markers(recording: Walk | JointWalk, preparation: Preparation) -> Walk:

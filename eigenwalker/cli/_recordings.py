@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from eigenwalker._collect import Refusal, collect
 from eigenwalker.cli._file_names import name_depth, short_name
@@ -17,11 +17,11 @@ from eigenwalker.cli._preparation import (
 )
 from eigenwalker.io.formats import read_walk
 from eigenwalker.motion.preparation import prepare
-from eigenwalker.motion.walk import Walk
+from eigenwalker.motion.walk import JointWalk
 
-__all__ = ["Loaded", "add_collecting_arguments", "add_recording_arguments", "list_reasons", "load"]
+__all__ = ["Loaded", "add_collecting_arguments", "add_recording_arguments", "list_reasons", "load", "reading_options"]
 
-_Prepared = tuple[list[Walk | None], list[Refusal]]
+_Prepared = tuple[list[Any], list[Refusal]]
 
 
 class Loaded(NamedTuple):
@@ -29,7 +29,7 @@ class Loaded(NamedTuple):
 
     Parameters
     ----------
-    walks : list of Walk or None
+    walks : list of Walk, JointWalk or None
         One for each recording or each of its passes; None where it was refused.
     files : list of int
         Which of the files each of them is from.
@@ -37,7 +37,7 @@ class Loaded(NamedTuple):
         The reasons, in the same order.
     """
 
-    walks: list[Walk | None]
+    walks: list[Any]
     files: list[int]
     refusals: list[Refusal]
 
@@ -83,7 +83,7 @@ def load(
     n_jobs : int, default None
         Number of processes.
     """
-    reading = _reading_options(options)
+    reading = reading_options(options)
     job = partial(_read_and_prepare, reading=reading, preparation=make_preparation(options, reading=reading, feet=feet))
     depth = name_depth(paths)
     found, refusals = collect(
@@ -97,13 +97,22 @@ def load(
     unread = iter(refusals)
     outcomes: list[_Prepared] = [one if one is not None else ([None], [next(unread)]) for one in found]
     return Loaded(
-        walks=[walk for walks, _ in outcomes for walk in walks],
+        walks=_with_shared_joints([walk for walks, _ in outcomes for walk in walks]),
         files=[file for file, (walks, _) in enumerate(outcomes) for _ in walks],
         refusals=[refusal for _, refused in outcomes for refusal in refused],
     )
 
 
-def _reading_options(options: argparse.Namespace) -> dict[str, object]:
+def _with_shared_joints(walks: list[Any]) -> list[Any]:
+    """Return walks in which those in joint angles have the channels of all joints that turn in any of them."""
+    turned = [walk for walk in walks if isinstance(walk, JointWalk)]
+    if len({walk.skeleton.joint_names for walk in turned}) != 1:
+        return walks  # those of different skeletons are refused where they are put together
+    joints = tuple({joint for walk in turned for joint in walk.channel_joints or walk.skeleton.joint_names})
+    return [replace(walk, channel_joints=joints) if isinstance(walk, JointWalk) else walk for walk in walks]
+
+
+def reading_options(options: argparse.Namespace) -> dict[str, object]:
     """Return the arguments of `read_walk` that were given."""
     given = {"unit": options.unit, "up": options.up, "frame_rate": options.frame_rate}
     return {name: value for name, value in given.items() if value is not None}

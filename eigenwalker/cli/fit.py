@@ -2,17 +2,15 @@
 
 import argparse
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from sklearn.linear_model import LinearRegression
-from sklearn.metrics import balanced_accuracy_score
-from sklearn.model_selection import LeaveOneGroupOut, cross_val_predict
 from sklearn.pipeline import Pipeline
-from tqdm import tqdm
 
 from eigenwalker.cli._label_table import labels_from_names, labels_from_table
+from eigenwalker.cli._prediction import report_prediction
 from eigenwalker.cli._recordings import (
     Loaded,
     add_collecting_arguments,
@@ -20,10 +18,10 @@ from eigenwalker.cli._recordings import (
     list_reasons,
     load,
 )
+from eigenwalker.cli._styles import one_against_rest, poles_of, style_columns
 from eigenwalker.model.eigenwalkers import make_eigenwalkers
 from eigenwalker.model.traits import TraitRegressor
 from eigenwalker.motion.strides import pool_walks
-from eigenwalker.motion.walk import Walk
 from eigenwalker.persistence import save_model
 
 HELP = "learn trait axes from recordings and labels"
@@ -39,6 +37,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", required=True, type=Path, metavar="MODEL", help="file for the model, such as my.skops")
     _add_label_arguments(parser.add_argument_group("labels"))
     model = parser.add_argument_group("the model")
+    model.add_argument(
+        "--representation",
+        choices=("markers", "joints"),
+        default="markers",
+        help="what is learned: paths of 15 markers, or joint angles, for files with a skeleton such as BVH (markers)",
+    )
     model.add_argument("--components", type=int, default=15, metavar="N", help="number of Eigenwalkers (15)")
     model.add_argument("--harmonics", type=int, default=2, metavar="N", help="number of harmonics (2)")
     model.add_argument(
@@ -61,7 +65,14 @@ def _add_label_arguments(group: argparse._ArgumentGroup) -> None:
         help="labels out of the file names, such as 'walk_(?P<style>[a-z]+)_', or out of the paths, if there is a / in "
         "it, such as '(?P<person>[^/]+)/[^/]+$'",
     )
-    group.add_argument("--trait", required=True, action="append", metavar="NAME", help="what to learn; may be repeated")
+    group.add_argument(
+        "--trait",
+        required=True,
+        action="append",
+        metavar="NAME",
+        help="what to learn: numbers, two words, or more words, each of which becomes an axis against the rest, "
+        "style=sad; may be repeated",
+    )
     group.add_argument("--group", metavar="COLUMN", help="column or pattern group that says which person a file is of")
     group.add_argument(
         "--pool",
@@ -86,20 +97,26 @@ def run(options: argparse.Namespace) -> None:
     labels = labels[used]
     if options.pool is not None:
         walks, labels = _pool(walks, labels, options)
-    traits = labels[options.trait]
     persons = labels[options.group].to_numpy() if options.group else None
     groups = persons if persons is not None else labels.index.to_numpy()  # passes of a recording stay together
+    styles = style_columns(labels[options.trait])
+    traits = one_against_rest(labels[options.trait], groups)
     model = make_eigenwalkers(
-        options.harmonics, options.components, scaling=None if options.scaling == "none" else options.scaling
+        options.harmonics,
+        options.components,
+        scaling=None if options.scaling == "none" else options.scaling,
+        trait=TraitRegressor(poles=poles_of(styles) or None),
     )
     _check_size(options.components, groups)
     noise = {"scaler__groups": persons} if options.scaling == "noise" and persons is not None else {}
     model.fit(walks, traits, trait__groups=persons, **noise)
     _report_model(model, walks)
-    _report_prediction(model, walks, traits, groups, noise, who="recording" if persons is None else "person")
+    who = "recording" if persons is None else "person"
+    report_prediction(model, walks, traits, groups, noise, who=who, styles=styles)
     save_model(model, options.out)
     print(f"saved {options.out}; see a walk with:")
-    print(f"  eigenwalker walk {options.out} --alpha {options.trait[0]}=2 --out walk.png")
+    ending = "bvh" if options.representation == "joints" else "png"
+    print(f"  eigenwalker walk {options.out} --alpha {traits.columns[0]}=2 --out walk.{ending}")
 
 
 def _check(options: argparse.Namespace) -> None:
@@ -107,6 +124,7 @@ def _check(options: argparse.Namespace) -> None:
     pool, noise = options.pool, options.scaling == "noise"
     group = "needs --group, the column that says which person a file is of"
     faults = [
+        (pool is not None and options.representation == "joints", "--pool puts walks of markers together, not joints"),
         (pool == "recording" and not options.passes, "--pool recording puts passes together; it needs --passes"),
         (pool == "person" and options.group is None, f"--pool person {group}"),
         (noise and options.group is None, f"--scaling noise {group}"),
@@ -137,7 +155,7 @@ def _report_refusals(
     print(reasons)
 
 
-def _pool(walks: list[Walk], labels: pd.DataFrame, options: argparse.Namespace) -> tuple[list[Walk], pd.DataFrame]:
+def _pool(walks: list[Any], labels: pd.DataFrame, options: argparse.Namespace) -> tuple[list[Any], pd.DataFrame]:
     """Return one walk a recording or person, and its labels."""
     owners = np.array(
         [str(owner) for owner in (labels.index if options.pool == "recording" else labels[options.group])]
@@ -161,45 +179,8 @@ def _check_size(n_components: int, groups: NDArray) -> None:
         )
 
 
-def _report_model(model: Pipeline, walks: list[Walk]) -> None:
+def _report_model(model: Pipeline, walks: list[Any]) -> None:
     powers = 1 - model["linearizer"].residual_power(walks)
     print(f"explained power of {model['linearizer'].n_harmonics} harmonics: median {np.median(powers):.1%}")
     pca = model["eigenwalkers"]
     print(f"{pca.n_components_} Eigenwalkers hold {pca.explained_variance_ratio_.sum():.1%} of the variance")
-
-
-def _report_prediction(
-    model: Pipeline, walks: list[Walk], traits: pd.DataFrame, groups: NDArray, noise: dict[str, NDArray], *, who: str
-) -> None:
-    """Print how well each trait is predicted for persons left out, beside what tempo alone gives."""
-    vectors = model["linearizer"].transform(walks)
-    tempo = np.column_stack((vectors[:, -1], [walk.speed for walk in walks]))
-    for trait in tqdm(traits.columns, desc="leaving out", delay=2):
-        known = traits[trait].notna().to_numpy()
-        labels, parts = traits.loc[known, [trait]], groups[known]
-        axis = Pipeline([*model.steps[1:-1], ("trait", TraitRegressor())])
-        within = {name: values[known] for name, values in noise.items()}
-        folds = LeaveOneGroupOut()
-        guess = cross_val_predict(axis, vectors[known], labels, groups=parts, cv=folds, params=within).ravel()
-        fitted = TraitRegressor().fit(vectors[known], labels)
-        codes = fitted.encode(labels)[:, 0]
-        print(f"{trait}, leaving out one {who} at a time: {_agreement(codes, guess, fitted.is_two_valued(trait))}")
-        if np.isfinite(tempo[known]).all():
-            plain = cross_val_predict(LinearRegression(), tempo[known], codes, groups=parts, cv=folds)
-            print(f"  frequency and speed alone: {_agreement(codes, plain, fitted.is_two_valued(trait))}")
-        if fitted.is_two_valued(trait):
-            means = model["trait"].alpha_means_[trait]
-            print("  mean alpha: " + ", ".join(f"{group} {alpha:+.2f}" for group, alpha in means.items()))
-    if who == "recording":
-        print("every recording was taken for another person; if persons recur, name them with --group")
-
-
-def _agreement(codes: NDArray[np.float64], guess: NDArray[np.float64], two_valued: bool) -> str:
-    if not two_valued:
-        return f"r = {np.corrcoef(codes, guess)[0, 1]:.2f} over {len(codes)} walks"
-    sides = np.where(guess > 0, 1.0, -1.0)
-    larger = max(np.mean(codes > 0), np.mean(codes < 0))
-    return (
-        f"accuracy {np.mean(sides == codes):.1%}, balanced {balanced_accuracy_score(codes, sides):.1%} "
-        f"over {len(codes)} walks (always the larger group: {larger:.1%})"
-    )

@@ -4,6 +4,7 @@ from eigenwalker.display.axis_display import AxisDisplay
 from eigenwalker.display.body import project
 from eigenwalker.display.conditions import make_display
 from eigenwalker.display.curve_display import CurveDisplay
+from eigenwalker.display.decomposition_display import DecompositionDisplay
 from eigenwalker.display.deviation_display import DeviationDisplay
 from eigenwalker.display.movie import draw_frames, write_movie
 from eigenwalker.display.movie_table import write_movies
@@ -21,6 +22,7 @@ __all__ = [
     "AxisDisplay",
     "AxisReport",
     "CurveDisplay",
+    "DecompositionDisplay",
     "DeviationDisplay",
     "PermutationDisplay",
     "PointLightDisplay",

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["figure_of", "take_axes", "to_png", "write_number"]
+__all__ = ["figure_of", "take_axes", "take_grid", "to_png", "write_number"]
 
 
 def take_axes(
@@ -47,6 +47,37 @@ def take_axes(
     if len(given) != len(widths):
         raise ValueError(f"ax must be {len(widths)} axes, one a panel, got {len(given)}")
     return given
+
+
+def take_grid(ax: Axes | Sequence[Axes] | None, n_panels: int, n_columns: int, size: tuple[float, float]) -> list[Axes]:
+    """Return the axes to draw on, one a panel, row by row.
+
+    Parameters
+    ----------
+    ax : matplotlib Axes or sequence of Axes, default None
+        What the caller gave. None makes a new figure, with places that no panel needs left empty.
+    n_panels, n_columns : int
+        How many panels, and how many of them in a row of a new figure.
+    size : (float, float)
+        Width and height of a panel of a new figure, in inches.
+
+    Returns
+    -------
+    list of Axes
+
+    Raises
+    ------
+    ValueError
+        If the number of given axes is another one.
+    """
+    from matplotlib.figure import Figure
+
+    if ax is not None:
+        return take_axes(ax, size, [1.0] * n_panels)
+    n_columns = min(n_columns, n_panels)
+    n_rows = -(-n_panels // n_columns)
+    figure = Figure(figsize=(size[0] * n_columns, size[1] * n_rows), layout="constrained")
+    return [figure.add_subplot(n_rows, n_columns, place + 1) for place in range(n_panels)]
 
 
 def figure_of(ax: Axes) -> Figure:

@@ -67,8 +67,8 @@ class StickFigureDisplay:
 
         Parameters
         ----------
-        walks : list of Walk
-            Walks in place, with the same markers; their names are written beside the rows.
+        walks : list of Walk or JointWalk
+            Walks in place; their names are written below the rows. Of joints the 15 markers are drawn, `to_markers`.
         view : {"frontal", "half-profile", "side"} or float, default "half-profile"
             Where the observer stands; a number is an azimuth in degrees.
         n_phases : int, default 6
@@ -80,8 +80,9 @@ class StickFigureDisplay:
         -------
         StickFigureDisplay
         """
-        walks = check_walks(walks, kind=Walk)
-        return cls(walks, azimuth=find_azimuth(view), n_phases=n_phases).plot(ax=ax)
+        walks = check_walks(walks, kind=(Walk, JointWalk))
+        bodies = [walk.to_markers() if isinstance(walk, JointWalk) else walk for walk in walks]
+        return cls(bodies, azimuth=find_azimuth(view), n_phases=n_phases).plot(ax=ax)
 
     def plot(self, ax: Axes | None = None) -> Self:
         """Draw on the given axes, or on new ones.

@@ -194,8 +194,10 @@ def _build(fields: dict[str, Any], arrays: dict[str, NDArray], name: str | None)
         return Walk(arrays["positions"], marker_set=markers, **common)
     parents, offsets, end_parents, end_offsets = (arrays[part] for part in _SKELETON)
     names, root, orders = (fields[key] for key in ("joints", "root", "rotation_orders"))
-    skeleton = Skeleton(tuple(names), parents, offsets, end_parents, end_offsets, root, orders, bool(fields["upright"]))
+    upright, joints = fields.get("upright", False), fields.get("channel_joints")  # files without them are older
+    if not isinstance(upright, bool):
+        raise WalkError(f"expected upright to be true or false, got {reprlib.repr(upright)}; get it again")
+    skeleton = Skeleton(tuple(names), parents, offsets, end_parents, end_offsets, root, orders, upright)
     moving = {joint: arrays[f"translation_{place}"] for place, joint in enumerate(fields["translations"])}
-    joints = fields["channel_joints"]
     common["channel_joints"] = None if joints is None else tuple(joints)
     return JointWalk(arrays["rotations"], arrays["root"], skeleton, translations=moving, **common)

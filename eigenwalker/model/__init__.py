@@ -1,6 +1,7 @@
 """The statistics: walks as vectors, Eigenwalkers, trait axes, and back."""
 
 from eigenwalker.model._guards import LeakageWarning, OutsideDataWarning
+from eigenwalker.model.blending import blend
 from eigenwalker.model.blocks import block_weights, feature_parts
 from eigenwalker.model.discriminant import TraitClassifier
 from eigenwalker.model.eigenwalkers import (
@@ -46,6 +47,7 @@ __all__ = [
     "axis_features",
     "axis_shares",
     "axis_statistics",
+    "blend",
     "block_weights",
     "bootstrap_axes",
     "eigenwalker_features",

@@ -14,9 +14,10 @@ from eigenwalker.model._guards import distances, warn_outside
 from eigenwalker.model.blocks import in_part
 from eigenwalker.model.eigenwalkers import split_model, trait_axes
 from eigenwalker.model.linearization import FourierLinearizer
+from eigenwalker.motion.limits import warn_joint_limits
 from eigenwalker.motion.walk import JointWalk, Walk
 
-__all__ = ["hybrid_walk", "walk_along_axis", "walk_at"]
+__all__ = ["hybrid_walk", "walk_along_axis", "walk_at", "with_names"]
 
 
 def walk_along_axis(
@@ -63,6 +64,8 @@ def walk_along_axis(
     OutsideDataWarning
         If walks lie further from the training walkers than 99 % of walkers of their kind; see
         `TraitRegressor.distance_limit`.
+    JointLimitWarning
+        If joints of joint walks turn further than those of people; see `joint_limits_exceeded`.
 
     Examples
     --------
@@ -209,13 +212,15 @@ def _walks(
     column = list(features).index("frequency")
     _check_reachable(start.vector[0, column], vectors[:, column], own[0, : len(names)], alphas, labels)
     # With a part alone these are not the scores stepped to.
-    reached = np.asarray(reduction.transform(_with_names(vectors, features, reduction)))
+    reached = np.asarray(reduction.transform(with_names(vectors, features, reduction)))
     warn_outside(distances(reached - axes.mean_, axes.covariance_), axes.distance_limit(), labels, stacklevel=4)
     walks = linearizer.inverse_transform(vectors)
-    return [replace(walk, name=label, **start.kept) for walk, label in zip(walks, labels, strict=True)]
+    walks = [replace(walk, name=label, **start.kept) for walk, label in zip(walks, labels, strict=True)]
+    warn_joint_limits(walks, stacklevel=4)
+    return walks
 
 
-def _with_names(vectors: NDArray[np.float64], names: NDArray[np.object_], steps: Pipeline) -> ArrayLike:
+def with_names(vectors: NDArray[np.float64], names: NDArray[np.object_], steps: Pipeline) -> ArrayLike:
     """Return vectors as steps were fitted to them: with the names of features, or without."""
     return pd.DataFrame(vectors, columns=names) if hasattr(steps[0], "feature_names_in_") else vectors
 

@@ -218,13 +218,20 @@ class FourierLinearizer(TransformerMixin, BaseEstimator):
     def _check_channels(self, walks: list[Walk | JointWalk]) -> list[Walk | JointWalk]:
         expected = self.template_.channel_names
         for walk in walks:
+            joints = isinstance(walk, JointWalk)
             if walk.channel_names != expected:
                 lacks = [name for name in expected if name not in walk.channel_names]
                 adds = [name for name in walk.channel_names if name not in expected]
                 raise WalkError(
                     f"walk {walk.name!r}: expected the {len(expected)} channels of the first walk in fit, got "
                     f"{len(walk.channel_names)}; missing: {', '.join(lacks[:6]) or 'none'}; unknown: "
-                    f"{', '.join(adds[:6]) or 'none'}; bring all walks to one marker set, in one order"
+                    f"{', '.join(adds[:6]) or 'none'}; bring all walks to one "
+                    + ("skeleton, and prepare them with the same joints=..." if joints else "marker set, in one order")
+                )
+            if joints and walk.skeleton.upright != self.template_.skeleton.upright:
+                raise WalkError(
+                    f"walk {walk.name!r}: expected rotations along the axes of the room in all walks or in none; "
+                    "prepare all of them with representation='joints'"
                 )
         return walks
 

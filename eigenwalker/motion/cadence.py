@@ -1,5 +1,6 @@
 """Steady cadence: where in its stride a walk is at each moment, and the walk without drift of its cadence."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -39,14 +40,16 @@ class StridePhase(NamedTuple):
     frequency: float
 
 
-def stride_phase(walk: Walk | JointWalk, *, n_terms: int | None = None) -> StridePhase:
+def stride_phase(
+    walk: Walk | JointWalk, *, n_terms: int | None = None, phase_reference: str | Mapping[str, float] = "auto"
+) -> StridePhase:
     r"""Return the slowly varying phase of a walk, estimated from all its channels.
 
     .. math:: \varphi(t) = 2 \pi f t + \sum_{j=1}^{J} a_j P_j(t)
 
     with Legendre polynomials P_j over the length of the walk. For each trial phase the walk is a series of 4
     harmonics with least-squares coefficients, so that only the a_j are searched (variable projection, Gauss-Newton).
-    The search starts from the phase of left minus right ankle, forward, over two strides around each moment.
+    The search starts from the phase of the phase reference over two strides around each moment.
 
     Parameters
     ----------
@@ -54,6 +57,8 @@ def stride_phase(walk: Walk | JointWalk, *, n_terms: int | None = None) -> Strid
         Prepared: without its path over the floor.
     n_terms : int, default None
         Number J of terms. None is one for every two strides; a walk of less than two strides keeps its cadence.
+    phase_reference : "auto" or mapping of str to float, default "auto"
+        See `phase_weights`.
 
     Returns
     -------
@@ -82,13 +87,13 @@ def stride_phase(walk: Walk | JointWalk, *, n_terms: int | None = None) -> Strid
         raise ValueError(f"n_terms must be a whole number of 0 or more, or None, got {n_terms!r}")
     if isinstance(walk, Walk) and "pelvis" in walk.marker_set.names:
         check_in_place(walk)
-    frequency = stride_frequency(walk)
+    frequency = stride_frequency(walk, phase_reference=phase_reference)
     n_strides = walk.duration * frequency
     n_terms = int(n_strides / 2) if n_terms is None else int(n_terms)
     n_harmonics = max(1, min(SEARCH_HARMONICS, int(0.45 * walk.frame_rate / frequency)))
     phase = 2 * np.pi * frequency / walk.frame_rate * np.arange(walk.n_frames)
     if n_terms:
-        start = phase + _first_drift(channels @ phase_weights(walk), phase, n_terms)
+        start = phase + _first_drift(channels @ phase_weights(walk, phase_reference), phase, n_terms)
         phase = fit_phase(channels, start, n_terms=n_terms, n_harmonics=n_harmonics)
     steps = np.diff(phase)
     if steps.size == 0 or steps.min() < _SLOWEST * steps.mean():
@@ -178,7 +183,9 @@ def _project(
     return float(np.vdot(residual, residual)), drift @ np.linalg.lstsq(gram, right)[0]
 
 
-def steady_cadence(walk: AnyWalk, *, n_terms: int | None = None) -> AnyWalk:
+def steady_cadence(
+    walk: AnyWalk, *, n_terms: int | None = None, phase_reference: str | Mapping[str, float] = "auto"
+) -> AnyWalk:
     """Return the walk at constant cadence, with its mean frequency, first and last frame unchanged.
 
     What drifts is the time a stride takes and nothing else: each frame of the result shows the posture that the walk
@@ -191,6 +198,8 @@ def steady_cadence(walk: AnyWalk, *, n_terms: int | None = None) -> AnyWalk:
         Prepared: without its path over the floor.
     n_terms : int, default None
         See `stride_phase`.
+    phase_reference : "auto" or mapping of str to float, default "auto"
+        See `phase_weights`.
 
     Returns
     -------
@@ -210,7 +219,7 @@ def steady_cadence(walk: AnyWalk, *, n_terms: int | None = None) -> AnyWalk:
     >>> bool(walk_quality(steady_cadence(walk)).explained_power >= walk_quality(walk).explained_power)
     True
     """
-    phase, frequency = stride_phase(walk, n_terms=n_terms)
+    phase, frequency = stride_phase(walk, n_terms=n_terms, phase_reference=phase_reference)
     frames = np.arange(walk.n_frames, dtype=np.float64)
     degree = min(5, walk.n_frames - 1)
     sources = make_interp_spline(phase, frames, k=min(3, degree))(np.linspace(0.0, phase[-1], walk.n_frames))

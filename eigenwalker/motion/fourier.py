@@ -14,6 +14,7 @@ from eigenwalker.motion._kernels import block_means, fit_series, line_and_wave_s
 
 __all__ = [
     "amplitude_phase",
+    "check_sampling",
     "coarse_frequency",
     "estimate_frequency",
     "evaluate_harmonics",
@@ -68,7 +69,7 @@ def fit_harmonics(
     >>> fit_harmonics(1 + 2 * np.sin(2 * np.pi * t)[:, None], 60, 1.0, 1).round(6).ravel() + 0
     array([1., 2., 0.])
     """
-    _check_sampling(len(channels), frame_rate, frequency, n_harmonics)
+    check_sampling(len(channels), frame_rate, frequency, n_harmonics)
     return fit_series(_as_compiled(channels), 2 * np.pi * frequency / frame_rate, n_harmonics)
 
 
@@ -82,7 +83,8 @@ def _as_compiled(channels: NDArray[np.floating]) -> NDArray[np.float64]:
     return view
 
 
-def _check_sampling(n_frames: int, frame_rate: float, frequency: float, n_harmonics: int) -> None:
+def check_sampling(n_frames: int, frame_rate: float, frequency: float, n_harmonics: int) -> None:
+    """Raise unless so many frames carry so many harmonics."""
     check_frame_rate(frame_rate)
     if n_harmonics < 1:
         raise ValueError(f"n_harmonics must be at least 1, got {n_harmonics}")
@@ -265,7 +267,7 @@ def estimate_frequency(
     0.93
     """
     carried = max(1, min(n_harmonics, int(0.45 * frame_rate / start), (len(channels) - 2) // 3))
-    _check_sampling(len(channels), frame_rate, start, carried)
+    check_sampling(len(channels), frame_rate, start, carried)
     omega, ratio = 2 * np.pi * start / frame_rate, 1.0
     block = int(frame_rate / (_FRAMES_PER_WAVE * carried * start))
     channels = _as_compiled(channels)

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from scipy.signal import find_peaks, savgol_filter
 
 from eigenwalker._validation import WalkError, check_choice, check_finite, check_walks
-from eigenwalker.motion.walk import Event, Walk
+from eigenwalker.motion.walk import Event, JointWalk, Walk
 
-__all__ = ["Step", "detect_events", "find_steps", "gait_table", "heel_strikes", "toe_offs"]
+__all__ = ["Step", "detect_events", "find_steps", "gait_table", "heel_strikes", "step_frequency", "toe_offs"]
 
 SIDES = ("left", "right")
 _WINDOW = 0.2  # seconds, over which cubics smooth: they keep what is below some 7 Hz
@@ -193,6 +193,43 @@ def _position(number: int, n_steps: int) -> str:
     named = {0: "first", 1: "second"} if number <= from_end else {}
     ends = {0: "last", 1: "last but one"}
     return named.get(number) or ends.get(from_end) or "inside"
+
+
+def step_frequency(walk: Walk | JointWalk) -> float:
+    """Return the stride frequency that the steps of a walk have: 1 / (2 mean step duration), in hertz.
+
+    The mean cycle frequency of Tilmanne & Dutoit 2012, section 2.2, with the steps of `find_steps` for those of their
+    segmentation. It takes two strikes, and their times as they are; `stride_frequency` takes all of the motion.
+
+    Parameters
+    ----------
+    walk : Walk or JointWalk
+        Leading along x, over the floor or in place. Joints are turned into markers, `to_markers`.
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    WalkError
+        If there is no step in the walk, or if it lacks the markers that events need.
+
+    Examples
+    --------
+    >>> from eigenwalker.datasets import make_walkers
+    >>> from eigenwalker.motion import step_frequency, stride_frequency
+    >>> walk = make_walkers(1, random_state=0).data[0]
+    >>> bool(abs(step_frequency(walk) / stride_frequency(walk) - 1) < 0.01)
+    True
+    """
+    steps = find_steps(walk.to_markers() if isinstance(walk, JointWalk) else walk)
+    if not steps:
+        raise WalkError(
+            f"walk {walk.name!r}: expected a step, from one heel strike to the next one of the other foot, but there "
+            f"is none in {walk.duration:.3g} s; use a longer recording"
+        )
+    return 0.5 / _mean([step.end - step.start for step in steps])
 
 
 def gait_table(walks: Sequence[Walk]) -> pd.DataFrame:

@@ -7,20 +7,22 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from eigenwalker._validation import WalkError, check_choice, check_finite
+from eigenwalker._validation import WalkError, check_choice, check_finite, check_names
 from eigenwalker.motion.body import check_leg_length, stature
 from eigenwalker.motion.cadence import steady_cadence
 from eigenwalker.motion.clip import cut, guess_frequency, steady_frames, without_leaps
 from eigenwalker.motion.filtering import low_pass, resample
 from eigenwalker.motion.fourier import FREQUENCY_RANGE
-from eigenwalker.motion.heading import facing, first_direction, swing, travels, turn, turn_points
+from eigenwalker.motion.gait import detect_events
+from eigenwalker.motion.heading import check_in_place, facing, first_direction, swing, travels, turn, turn_points
 from eigenwalker.motion.phase import stride_frequency
 from eigenwalker.motion.posture import stand_upright
-from eigenwalker.motion.rig import Place, Rig
+from eigenwalker.motion.rig import Place, Rig, as_rig
+from eigenwalker.motion.rigs import find_rig
 from eigenwalker.motion.rotations import turn_frames
 from eigenwalker.motion.strides import stride_frames
-from eigenwalker.motion.treadmill import refine_frequency, smooth_path
-from eigenwalker.motion.walk import JointWalk, Walk
+from eigenwalker.motion.treadmill import belt_speed, refine_frequency, smooth_path
+from eigenwalker.motion.walk import JointWalk, Walk, hip_flexion
 
 __all__ = ["joints_of_all", "moving_joints", "prepare_joints", "scale_body", "turn_walk", "with_rigid_bones"]
 
@@ -59,7 +61,7 @@ def prepare_joints(
     reference : "zero" or array-like of shape (n_joints, 3), default None
         Another reference posture, see `reference_frames`.
     joints : sequence of str, default None
-        Whose rotations become channels. None is those that turn in this walk.
+        Whose rotations become channels. None is those that turn in this walk. It changes nothing else.
     cutoff, frame_rate, clip, frequency, treadmill, normalize_size, cadence, frequency_range
         See `prepare`.
     heading : {"path", "body", None}, default "path"
@@ -85,10 +87,11 @@ def prepare_joints(
     check_choice(heading, ("path", "body", None), name="heading")
     check_choice(cadence, ("recorded", "steady"), name="cadence")
     limits = FREQUENCY_RANGE if frequency_range is None else frequency_range
+    walk = replace(walk, channel_joints=None)
     check_finite(walk.channels, walk.channel_names, walk=walk.name)
     check_finite(walk.root, [f"root {axis}" for axis in "xyz"], walk=walk.name)
     walk = with_rigid_bones(stand_upright(walk, rig=rig, reference=reference))
-    walk = replace(walk, channel_joints=moving_joints([walk]) if joints is None else tuple(joints))
+    chosen = moving_joints([walk]) if joints is None else walk.skeleton.in_order(check_names(joints, name="joints"))
     check_leg_length(walk.to_markers(rig))
     walk = cut(walk, without_leaps(walk.to_markers(rig)))
     walk = walk if cutoff is None else low_pass(walk, cutoff=cutoff)
@@ -98,15 +101,21 @@ def prepare_joints(
     if clip == "steady" and travels(markers):
         walk, markers = _cut_both(walk, markers, steady_frames(markers, direction, limits))
     if frequency == "events":
-        frames, counted = stride_frames(turn(markers, direction))
-        walk, markers = _cut_both(replace(walk, frequency=counted), replace(markers, frequency=counted), frames)
+        ahead = turn(markers, direction)
+        frames, counted = stride_frames(ahead)
+        walk = replace(walk, frequency=counted, events=detect_events(ahead).events)
+        walk, markers = _cut_both(walk, replace(markers, frequency=counted), frames)
     walk = _to_heading(walk, markers, heading, direction, treadmill, limits)
     walk = _to_unit_stature(walk, rig) if normalize_size else walk
     if frequency_range is None and cadence == "recorded":
-        return walk
-    known = replace(walk, frequency=stride_frequency(walk, frequency_range=limits))
-    varied = steady_cadence(known) if cadence == "steady" else known
-    return replace(varied, frequency=np.nan) if frequency_range is None and np.isnan(walk.frequency) else varied
+        return replace(walk, channel_joints=chosen)
+    flexion = hip_flexion(find_rig(walk.skeleton.joint_names) if rig is None else as_rig(rig))
+    known = replace(walk, frequency=stride_frequency(walk, phase_reference=flexion, frequency_range=limits))
+    if cadence == "steady":
+        check_in_place(walk.to_markers(rig))
+        known = steady_cadence(known, phase_reference=flexion)
+    found = np.nan if frequency_range is None and np.isnan(walk.frequency) else known.frequency
+    return replace(known, frequency=found, channel_joints=chosen)
 
 
 def moving_joints(walks: Sequence[JointWalk]) -> tuple[str, ...]:
@@ -172,6 +181,7 @@ def _to_heading(
     else:
         stride = refine_frequency(markers, guess)
         direction = swing(markers, stride)
+        walk = replace(walk, speed=belt_speed(markers, direction))
     if heading is None:
         return walk
     return turn_walk(walk, facing(markers, stride) if heading == "body" else direction)
@@ -184,7 +194,9 @@ def turn_walk(walk: JointWalk, direction: NDArray[np.float64]) -> JointWalk:
     place = walk.skeleton.root
     rotations = np.array(walk.rotations)
     rotations[:, [place]] = turn_frames(rotations[:, [place]], ahead, np.eye(3)[np.newaxis])
-    root = np.column_stack((turn_points(walk.root[:, :2], direction[np.newaxis]), walk.root[:, 2]))
+    above = walk.skeleton.offsets[walk.skeleton.above(place), :2].sum(axis=0)  # upright: no turn lies between
+    floor = turn_points(walk.root[:, :2] + above, direction[np.newaxis]) - above
+    root = np.column_stack((floor, walk.root[:, 2]))
     return replace(walk, rotations=rotations, root=root)
 
 

@@ -45,6 +45,7 @@ _BANDAI = _rig(
             **dict.fromkeys(_bandai_limbs("R"), "-xzy"),
         },
         foot_pitch=40.0,  # standing, ankles are 118 to 120 mm above the floor, the toe joints 42 to 44 mm
+        toe_lift=17.0,
         toe_height=0.053,
     ),
 )

@@ -14,13 +14,13 @@ from numpy.typing import ArrayLike, NDArray
 from eigenwalker._validation import WalkError, check_array, check_finite
 from eigenwalker.motion.rig import Place, Rig, as_rig
 from eigenwalker.motion.rigs import find_rig
-from eigenwalker.motion.rotations import forward_kinematics, turn_frames
+from eigenwalker.motion.rotations import forward_kinematics, turn_frames, unroll_rotvec
 from eigenwalker.motion.skeleton import Skeleton
 from eigenwalker.motion.walk import JointWalk
 
 __all__ = ["lean_back", "reference_frames", "stand_upright"]
 
-_SIDES = ("left", "right")
+SIDES = ("left", "right")
 _DOWN = np.array([0.0, 0.0, -1.0])
 _HANGING = (("hip", "knee"), ("knee", "ankle"), ("shoulder", "elbow"), ("elbow", "wrist"))
 _STILL = 1e-6  # radians by which a joint above the root may turn
@@ -36,7 +36,7 @@ def reference_frames(
 
     Each joint's axes are those that the rig's `Posture` names, else those of the skeleton where all rotations are
     zero. Then thighs, shanks, upper arms and forearms are turned down, the shortest way, and carry hands and feet with
-    them; feet are pitched where the rig says so.
+    them; feet and toes are pitched where the rig says so.
 
     Parameters
     ----------
@@ -72,8 +72,8 @@ def reference_frames(
 
 def _standing(skeleton: Skeleton, rig: Rig) -> NDArray[np.float64]:
     """Return the joints' axes, shape (n_joints, 3, 3), in the reference posture of a rig."""
-    ends = {rig.joint(f"{side}_{one}"): rig.joint(f"{side}_{other}") for side in _SIDES for one, other in _HANGING}
-    feet = {rig.joint(f"{side}_ankle"): toe_joint(skeleton, rig, side) for side in _SIDES}
+    ends = {rig.joint(f"{side}_{one}"): rig.joint(f"{side}_{other}") for side in SIDES for one, other in _HANGING}
+    feet = {rig.joint(f"{side}_ankle"): toe_joint(skeleton, rig, side) for side in SIDES}
     frames, carried = np.empty((len(skeleton.parents), 3, 3)), np.empty((len(skeleton.parents), 3, 3))
     for place, (name, parent) in enumerate(zip(skeleton.joint_names, skeleton.parents, strict=True)):
         own = _axes_of(rig.posture.axes.get(name, "xyz"))
@@ -84,8 +84,16 @@ def _standing(skeleton: Skeleton, rig: Rig) -> NDArray[np.float64]:
             down = np.deg2rad(rig.posture.foot_pitch)
             ahead = np.array([np.cos(down), 0.0, -np.sin(down)])
             carried[place] = _shortest_turn(own @ _bone(skeleton, name, toe), ahead)
+        elif name in feet.values():
+            carried[place] = _upward(rig.posture.toe_lift) @ carried[parent]
         frames[place] = carried[place] @ own
     return frames
+
+
+def _upward(degrees: float) -> NDArray[np.float64]:
+    """Return the rotation matrix that pitches what points ahead up."""
+    cosine, sine = np.cos(np.deg2rad(degrees)), np.sin(np.deg2rad(degrees))
+    return np.array([[cosine, 0.0, -sine], [0.0, 1.0, 0.0], [sine, 0.0, cosine]])
 
 
 def toe_joint(skeleton: Skeleton, rig: Rig, side: str) -> str | None:
@@ -113,7 +121,10 @@ def _bone(skeleton: Skeleton, joint: str, end: str) -> NDArray[np.float64]:
     chain = [*skeleton.above(place), place]
     if start not in chain:
         raise ValueError(f"joint {end!r} must hang from {joint!r} in the skeleton, but does not")
-    return np.asarray(skeleton.offsets[chain[chain.index(start) + 1 :]].sum(axis=0), dtype=np.float64)
+    bone = np.asarray(skeleton.offsets[chain[chain.index(start) + 1 :]].sum(axis=0), dtype=np.float64)
+    if not np.linalg.norm(bone) > 0:
+        raise ValueError(f"the bone from {joint!r} to {end!r} must have a length, to be turned down, but has none")
+    return bone
 
 
 def _shortest_turn(start: NDArray[np.float64], end: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -248,7 +259,7 @@ def _with_top(walk: JointWalk, frames: NDArray[np.float64]) -> NDArray[np.float6
     above = walk.skeleton.above(walk.skeleton.root)
     if not above:
         return frames
-    turning = np.ptp(walk.rotations[:, above], axis=0).max(axis=1) > _STILL
+    turning = np.ptp(unroll_rotvec(walk.rotations[:, above]), axis=0).max(axis=1) > _STILL
     if turning.any():
         names = walk.skeleton.joint_names
         turned = ", ".join(names[joint] for joint in np.array(above)[turning])

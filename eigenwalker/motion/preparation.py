@@ -25,12 +25,11 @@ from eigenwalker.motion.heading import (
     turn,
 )
 from eigenwalker.motion.joint_preparation import joints_of_all, prepare_joints
-from eigenwalker.motion.path import stance_speed
 from eigenwalker.motion.phase import stride_frequency
 from eigenwalker.motion.rig import Place, Rig
 from eigenwalker.motion.strides import cut_to_strides
 from eigenwalker.motion.symmetry import symmetrize_walk
-from eigenwalker.motion.treadmill import refine_frequency, smooth_path, straighten, without_path
+from eigenwalker.motion.treadmill import belt_speed, refine_frequency, smooth_path, straighten, without_path
 from eigenwalker.motion.walk import JointWalk, Walk
 
 __all__ = ["prepare", "prepare_walks"]
@@ -266,7 +265,7 @@ def _to_heading(
     if not travels(walk):
         stride = _frequency_in_place(walk, direction, frequency_range)
         direction = swing(walk, stride)
-        walk = _with_belt(walk, direction)
+        walk = replace(walk, speed=belt_speed(walk, direction))
     elif heading == "curve":
         return straighten(walk, guess_frequency(walk, direction, frequency_range), treadmill=treadmill)
     else:
@@ -276,14 +275,6 @@ def _to_heading(
     if heading is None:
         return walk
     return turn(walk, facing(walk, stride) if heading == "body" else direction)
-
-
-def _with_belt(walk: Walk, direction: NDArray[np.float64]) -> Walk:
-    """Estimate the speed of the belt where it is unknown."""
-    if not np.isnan(walk.speed):
-        return walk
-    left, right = (floor_points(walk, f"{side}_ankle") @ direction for side in ("left", "right"))
-    return replace(walk, speed=walk.size * stance_speed(left, right, walk.frame_rate))
 
 
 def _to_unit_stature(walk: Walk) -> Walk:

@@ -59,6 +59,8 @@ class Posture(NamedTuple):
     foot_pitch : float, default None
         By how many degrees the bone from ankle to toe joint points below the horizontal. None leaves feet as they are
         against the shank when all rotations are zero.
+    toe_lift : float, default 0.0
+        By how many degrees the axes of the toe joint are pitched up against those of the ankle then.
     toe_height : float, default 0.05
         Height of the toe joint above the floor, in lengths of the leg from hip to ankle.
     heel_back : float, default 0.06
@@ -69,6 +71,7 @@ class Posture(NamedTuple):
 
     axes: Mapping[str, str] = {}
     foot_pitch: float | None = None
+    toe_lift: float = 0.0
     toe_height: float = 0.05
     heel_back: float = 0.06
     toe_ahead: float = 0.07

@@ -13,8 +13,11 @@ from scipy.spatial.transform import Rotation
 __all__ = [
     "euler_from_rotvec",
     "forward_kinematics",
+    "rotation_matrix",
     "rotvec_from_channels",
     "rotvec_from_euler",
+    "rotvec_of_matrix",
+    "rotvecs_of_matrices",
     "turn_frames",
     "unroll_rotvec",
 ]
@@ -377,8 +380,8 @@ def forward_kinematics(
 
 
 @njit(cache=True, nogil=True)
-def _rotation_matrix(rotvec, out):
-    """Rodrigues' formula, with its series where the angle is too small to divide by."""
+def rotation_matrix(rotvec, out):
+    """Write Rodrigues' formula into `out`, its series where the angle is too small to divide by (compiled)."""
     x, y, z = rotvec
     squared = x * x + y * y + z * z
     if squared < 1e-8:
@@ -402,6 +405,41 @@ def _rotation_matrix(rotvec, out):
 
 
 @njit(cache=True, nogil=True)
+def rotvec_of_matrix(matrix, out):
+    """Write the exponential map of a rotation matrix, of at most half a turn, into `out` (compiled).
+
+    The quaternion is taken from its largest entry, so that no digits are lost at any angle.
+    """
+    m = matrix
+    trace = m[0, 0] + m[1, 1] + m[2, 2]
+    if trace >= max(m[0, 0], m[1, 1], m[2, 2]):
+        w, x, y, z = 1.0 + trace, m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]
+    elif m[0, 0] >= max(m[1, 1], m[2, 2]):
+        w, x, y, z = m[2, 1] - m[1, 2], 1.0 + 2.0 * m[0, 0] - trace, m[0, 1] + m[1, 0], m[0, 2] + m[2, 0]
+    elif m[1, 1] >= m[2, 2]:
+        w, x, y, z = m[0, 2] - m[2, 0], m[0, 1] + m[1, 0], 1.0 + 2.0 * m[1, 1] - trace, m[1, 2] + m[2, 1]
+    else:
+        w, x, y, z = m[1, 0] - m[0, 1], m[0, 2] + m[2, 0], m[1, 2] + m[2, 1], 1.0 + 2.0 * m[2, 2] - trace
+    length = np.sqrt(w * w + x * x + y * y + z * z)
+    w, x, y, z = w / length, x / length, y / length, z / length
+    scale = _logarithm_scale(w, x, y, z)
+    out[0], out[1], out[2] = scale * x, scale * y, scale * z
+
+
+def rotvecs_of_matrices(matrices: NDArray[np.floating]) -> NDArray[np.float64]:
+    """Return the exponential maps, of at most half a turn, of rotation matrices of shape (n_frames, 3, 3)."""
+    return _rotvecs_of_matrices(np.ascontiguousarray(matrices, dtype=np.float64))
+
+
+@njit(cache=True, nogil=True)
+def _rotvecs_of_matrices(matrices):
+    out = np.empty((len(matrices), 3))
+    for i in range(len(matrices)):
+        rotvec_of_matrix(matrices[i], out[i])
+    return out
+
+
+@njit(cache=True, nogil=True)
 def _forward_kinematics(rotations, local_positions, parents):
     n_frames, n_joints, _ = rotations.shape
     positions = np.empty((n_frames, n_joints, 3))
@@ -409,7 +447,7 @@ def _forward_kinematics(rotations, local_positions, parents):
     turn = np.empty((3, 3))
     for frame in range(n_frames):
         for joint in range(n_joints):
-            _rotation_matrix(rotations[frame, joint], turn)
+            rotation_matrix(rotations[frame, joint], turn)
             parent = parents[joint]
             for i in range(3):  # element by element: assigning slices takes seconds to compile
                 if parent < 0:

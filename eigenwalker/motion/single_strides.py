@@ -14,7 +14,7 @@ from eigenwalker.motion.fourier import SEARCH_HARMONICS, reference_phase
 from eigenwalker.motion.phase import phase_weights, stride_frequency
 from eigenwalker.motion.walk import JointWalk, Walk
 
-__all__ = ["count_strides", "split_strides"]
+__all__ = ["count_strides", "phase_zeros", "split_strides", "stride_counts", "whole_counts"]
 
 _MAX_ROUNDS = 50
 _PRECISION = 1e-4  # strides at which the search ends
@@ -55,6 +55,15 @@ def split_strides(walk: Walk | JointWalk, *, phase_reference: str | Mapping[str,
     >>> strides[0].name, len(strides) <= walk.duration / strides[0].duration
     ('walker_000_stride1', True)
     """
+    counts = stride_counts(walk, phase_reference=phase_reference)
+    zeros = pairwise(phase_zeros(counts))
+    return [_cut_stride(walk, start, end, number) for number, (start, end) in enumerate(zeros, 1)]
+
+
+def stride_counts(
+    walk: Walk | JointWalk, *, phase_reference: str | Mapping[str, float] = "auto"
+) -> NDArray[np.floating]:
+    """Return `count_strides` of a walk, or raise a WalkError as `split_strides` does."""
     check_finite(walk.channels, walk.channel_names, walk=walk.name)
     step = stride_frequency(walk, phase_reference=phase_reference) / walk.frame_rate
     counts = count_strides(walk.channels, step, phase_weights(walk, phase_reference))
@@ -63,8 +72,7 @@ def split_strides(walk: Walk | JointWalk, *, phase_reference: str | Mapping[str,
             f"walk {walk.name!r}: expected strides one after the other, got a phase that turns back; is "
             f"{step * walk.frame_rate:.3g} Hz its stride frequency? Else take the part of the walk without a stop"
         )
-    frames = np.interp(_whole(counts), _beyond_ends(counts), np.arange(-2.0, walk.n_frames + 2))
-    return [_cut_stride(walk, start, end, number) for number, (start, end) in enumerate(pairwise(frames), 1)]
+    return counts
 
 
 def count_strides(channels: NDArray[np.floating], step: float, weights: NDArray[np.floating]) -> NDArray[np.floating]:
@@ -130,7 +138,7 @@ def _hats(counts: NDArray[np.floating]) -> NDArray[np.floating]:
 
     They go on at both ends; where there are no two phase zeros there is one constant function.
     """
-    whole = _whole(counts)
+    whole = whole_counts(counts)
     if len(whole) < 2:
         return np.ones((len(counts), 1))
     left = np.clip(np.floor(counts - whole[0]).astype(np.intp), 0, len(whole) - 2)
@@ -141,10 +149,15 @@ def _hats(counts: NDArray[np.floating]) -> NDArray[np.floating]:
     return hats
 
 
-def _whole(counts: NDArray[np.floating]) -> NDArray[np.floating]:
+def whole_counts(counts: NDArray[np.floating]) -> NDArray[np.floating]:
     """Return the whole numbers that the counts pass, or come near to at an end."""
     first, last = counts[1] - counts[0], counts[-1] - counts[-2]
     return np.arange(np.ceil(counts[0] - _LACKING * first), np.floor(counts[-1] + _LACKING * last) + 1)
+
+
+def phase_zeros(counts: NDArray[np.floating]) -> NDArray[np.float64]:
+    """Return the frames, which need not be whole, in which `whole_counts` are reached."""
+    return np.interp(whole_counts(counts), _beyond_ends(counts), np.arange(-2.0, len(counts) + 2))
 
 
 def _beyond_ends(counts: NDArray[np.floating]) -> NDArray[np.floating]:

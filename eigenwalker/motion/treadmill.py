@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 from eigenwalker._validation import WalkError
 from eigenwalker.motion.fourier import estimate_frequency
 from eigenwalker.motion.heading import floor_points, turn, turn_points
-from eigenwalker.motion.path import Path, fit_path
+from eigenwalker.motion.path import Path, fit_path, stance_speed
 from eigenwalker.motion.walk import Walk
 
-__all__ = ["refine_frequency", "smooth_path", "straighten", "without_path"]
+__all__ = ["belt_speed", "refine_frequency", "smooth_path", "straighten", "without_path"]
 
 _MAX_ROUNDS = 20
 _SETTLED = 1e-8  # metres of a path at which its search ends
@@ -53,6 +53,14 @@ def without_path(walk: Walk, points: NDArray[np.float64]) -> Walk:
     positions = walk.positions - np.pad(points, ((0, 0), (0, 1)))[:, np.newaxis]
     velocity = (points[-1] - points[0]) * walk.frame_rate / max(walk.n_frames - 1, 1)
     return replace(walk, positions=positions, speed=walk.size * float(np.hypot(*velocity)))
+
+
+def belt_speed(walk: Walk, direction: NDArray[np.float64]) -> float:
+    """Return the speed of the belt under a walk that stays in place, in m/s: its own, else that of the stance feet."""
+    if not np.isnan(walk.speed):
+        return walk.speed
+    left, right = (floor_points(walk, f"{side}_ankle") @ direction for side in ("left", "right"))
+    return walk.size * stance_speed(left, right, walk.frame_rate)
 
 
 def straighten(walk: Walk, frequency: float, *, treadmill: bool) -> Walk:

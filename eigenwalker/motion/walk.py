@@ -14,7 +14,7 @@ from eigenwalker.motion.rotations import forward_kinematics
 from eigenwalker.motion.skeleton import TROJE15, TROJE15_AND_FEET, MarkerSet, Skeleton
 from eigenwalker.motion.static_trial import carry_markers, hold_legs
 
-__all__ = ["AnyWalk", "Event", "JointWalk", "Walk", "check_marker_walk"]
+__all__ = ["AnyWalk", "Event", "JointWalk", "Walk", "check_marker_walk", "hip_flexion"]
 
 _AXES = ("x", "y", "z")
 
@@ -296,8 +296,14 @@ class JointWalk:
                 "room, prepare(walk, representation='joints') or stand_upright(walk), or pass "
                 "phase_reference={channel: weight} whose sum is left minus right"
             )
-        rig = find_rig(self.skeleton.joint_names)
-        return {f"{rig.joint('left_hip')}_y": -1.0, f"{rig.joint('right_hip')}_y": 1.0}
+        try:
+            return hip_flexion(find_rig(self.skeleton.joint_names))
+        except ValueError:
+            raise ValueError(
+                f"walk {self.name!r}: its joints are of no known rig, so which channel is hip flexion is unknown; pass "
+                "phase_reference={left hip_y: -1.0, right hip_y: 1.0} with the names of its joints, "
+                f"{', '.join(self.skeleton.joint_names)}"
+            ) from None
 
     def with_channels(self, channels: ArrayLike, **changes: Any) -> "JointWalk":
         """Return a copy with other rotations, shape (n_frames, n_channels), and with `changes` of other fields.
@@ -357,6 +363,11 @@ class JointWalk:
             local[:, skeleton.joint_names.index(joint)] = path
         local[:, skeleton.root] = self.root
         return local
+
+
+def hip_flexion(rig: Rig) -> dict[str, float]:
+    """Return the channels, with weights, that add up to left minus right hip flexion in upright skeletons of a rig."""
+    return {f"{rig.joint('left_hip')}_y": -1.0, f"{rig.joint('right_hip')}_y": 1.0}
 
 
 AnyWalk = TypeVar("AnyWalk", Walk, JointWalk)

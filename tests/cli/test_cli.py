@@ -153,7 +153,7 @@ def test_wrong_requests_for_a_walk_are_refused(run, files, tmp_path):
     cases = {
         "trait must be one of 'style', got 'mood'": [model, "--alpha", "mood=2", "--out", tmp_path / "w.csv"],
         "--alpha must be TRAIT=NUMBER, such as gender=2, got 'style'": [model, "--alpha", "style", "--out", "w.csv"],
-        "--out must end in .c3d, .csv, .mat, .npz, .png, .trc, .tsv, _motion.tsv, got w.fbx": [
+        "--out must end in .bvh, .c3d, .csv, .mat, .npz, .png, .trc, .tsv, _motion.tsv, got w.fbx": [
             model,
             "--alpha",
             "style=1",

@@ -2,12 +2,14 @@
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from numpy.testing import assert_allclose
 
-from eigenwalker.display import AxisDisplay, SpectrumDisplay, TrajectoryDisplay, project
+from eigenwalker.display import AxisDisplay, SpectrumDisplay, StickFigureDisplay, TrajectoryDisplay, project
 from eigenwalker.model import eigenwalker_features
-from eigenwalker.motion import spectrum, stride_frequency
+from eigenwalker.motion import spectrum, step_frequency, stride_frequency
 from tests.display.test_axis_display import _arrows
+from tests.recorded import bandai_joints, style
 
 
 def test_an_eigenwalker_is_drawn_as_an_axis_is(model):
@@ -56,3 +58,39 @@ def test_spectra_are_those_of_the_channels(walkers):
     assert_allclose([line.get_xdata()[0] for line in lines[46:]], frequency * np.arange(1, 4))
     with pytest.raises(ValueError, match="n_harmonics must be at least 1"):
         SpectrumDisplay.from_walk(walk, n_harmonics=0)
+
+
+def test_spectra_of_several_walks_stand_side_by_side(walkers):
+    walks = walkers.data[:4]
+    display = SpectrumDisplay.from_walks(walks, labels=list("abcd"), n_harmonics=3, steps=True)
+    assert len(display.axes_) == 4
+    assert display.ax_ is display.axes_[0]
+    top = 3.5 * max(stride_frequency(walk) for walk in walks)
+    for walk, label, ax in zip(walks, "abcd", display.axes_, strict=True):
+        expected = spectrum(walk, max_frequency=top).iloc[1:]
+        assert_allclose(ax.lines[45].get_ydata(), np.sqrt((expected**2).mean(axis=1)))
+        assert_allclose(ax.lines[-1].get_xdata(), step_frequency(walk))
+        assert ax.get_title(loc="left") == f"{label}, {stride_frequency(walk):.2f} Hz"
+    assert len({ax.get_ylim() for ax in display.axes_}) == len({ax.get_xlim() for ax in display.axes_}) == 1
+    own = SpectrumDisplay.from_walks(walks, same_scale=False)
+    assert len({ax.get_ylim() for ax in own.axes_}) == 4
+    assert len({ax.get_xlim() for ax in own.axes_}) == 1
+    axes = list(Figure().subplots(1, 4))
+    assert SpectrumDisplay.from_walks(walks, ax=axes).axes_ == axes
+    assert display._repr_png_().startswith(b"\x89PNG")
+    with pytest.raises(ValueError, match="ax must be 4 axes, one a panel, got 3"):
+        SpectrumDisplay.from_walks(walks, ax=axes[:3])
+    with pytest.raises(ValueError, match="labels must be 4 names, one a walk, got 1"):
+        SpectrumDisplay.from_walks(walks, labels=["a"])
+
+
+def test_walks_of_joints_have_spectra_and_stick_figures(data_dir, walkers):
+    walks = bandai_joints(data_dir, 1)
+    display = SpectrumDisplay.from_walks(walks, labels=[style(walk) for walk in walks], steps=True)
+    assert len(display.axes_) == 7
+    assert {shown.unit for shown in display.spectra} == {"rad"}
+    with pytest.raises(ValueError, match="walks must be all of markers or all of joints"):
+        SpectrumDisplay.from_walks([walks[0], walkers.data[0]])
+    figures = StickFigureDisplay.from_walks([walks[0], walkers.data[0]], n_phases=3)
+    assert [walk.name for walk in figures.walks] == [walks[0].name, walkers.data[0].name]
+    assert_allclose(figures.walks[0].positions, walks[0].to_markers().positions)

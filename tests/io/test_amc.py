@@ -12,7 +12,7 @@ from eigenwalker._validation import WalkError
 from eigenwalker.io.amc import read_amc
 from eigenwalker.io.bvh import read_bvh
 from eigenwalker.io.bvh_writer import write_bvh
-from eigenwalker.motion import find_rig
+from eigenwalker.motion import find_rig, stand_upright
 from eigenwalker.motion.walk import JointWalk
 from tests.acclaim import AMC, ASF, BODY, ROOT_ORDER, Bone, amc_text, asf_text, stand
 
@@ -182,8 +182,12 @@ def test_a_leg_that_swings_forward_does(tmp_path):
     frame = stand() | {"lfemur": [-30, 0, 0]}
     frame["root"] = [0, 17.0, 0, 0, 0, 0]
     straight = asf_text(BODY | {"lfemur": Bone("lhipjoint", (0.0, -1.0, 0.0), 7.2, dof=("rx", "ry", "rz"))})
-    walk = _read(tmp_path, straight, amc_text([frame]))
+    recorded = _read(tmp_path, straight, amc_text([frame]))
+    with pytest.raises(ValueError, match=r"'07_01': in the axes of a file no channel is hip flexion; .*stand_upright"):
+        _ = recorded.phase_channels
+    walk = stand_upright(recorded)
     markers = walk.to_markers()
+    assert_allclose(markers.positions, recorded.to_markers().positions, atol=1e-12)
     assert markers.marker("left_knee")[0, 0] - markers.marker("left_hip")[0, 0] > 0.1
     flexion = sum(
         weight * walk.channels[0, walk.channel_names.index(channel)] for channel, weight in walk.phase_channels.items()

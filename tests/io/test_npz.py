@@ -4,7 +4,7 @@ import io
 import json
 import tracemalloc
 import zipfile
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -85,6 +85,35 @@ def test_joint_walks_come_back(folder):
     assert list(back.translations) == ["Knie é"]
     assert_array_equal(back.translations["Knie é"], walk.translations["Knie é"])
     assert_array_equal(back.joint_positions(), walk.joint_positions())
+
+
+@given(upright=st.booleans(), joints=st.none() | st.sets(st.sampled_from(["Root", "Hips", "Knie é"])))
+def test_what_preparation_says_of_joints_comes_back(folder, upright, joints):
+    walk = _joint_walk(np.random.default_rng(0))
+    walk = replace(walk, skeleton=replace(walk.skeleton, upright=upright), channel_joints=joints)
+    write_npz(walk, folder / "eva.npz")
+    back = read_npz(folder / "eva.npz")
+    assert back.skeleton.upright is upright
+    assert back.channel_joints == walk.channel_joints
+    assert back.channel_names == walk.channel_names
+    assert_array_equal(back.channels, walk.channels)
+
+
+def test_joint_walks_without_those_fields_are_read(folder):
+    """Older files have none of them."""
+    path = folder / "eva.npz"
+    write_npz(_joint_walk(np.random.default_rng(0)), path)
+    text = json.loads(str(_contents(path)["walk"]))
+    old = {key: value for key, value in text.items() if key not in ("upright", "channel_joints")}
+    path.write_bytes(_repacked(path, walk=np.array(json.dumps(old))))
+    back = read_npz(path)
+    assert not back.skeleton.upright
+    assert back.channel_joints is None
+    for wrong, message in (
+        ({"upright": "no"}, "expected upright to be true or false, got 'no'"),
+        ({"channel_joints": ["Tail"]}, "no joint 'Tail'; this skeleton has Root, Hips"),
+    ):
+        assert message in refusal(read_npz, path, _repacked(path, walk=np.array(json.dumps(text | wrong))))
 
 
 def test_precision_sticks_and_name_are_kept(folder):

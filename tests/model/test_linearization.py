@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.testing import assert_allclose
+from numpy.testing import assert_allclose, assert_array_equal
 
 from eigenwalker import FourierLinearizer, WalkError
 from eigenwalker.motion import TROJE15, MarkerSet, Walk, mirror_walk
 from tests import contract
+from tests.joint_bodies import swinging
 from tests.synthetic import make_walk
 
 
@@ -173,6 +174,70 @@ def test_impossible_vectors_are_refused():
         linearizer.inverse_transform([[1.0, 2.0, 3.0]])
     with pytest.raises(ValueError, match="contains NaN"):
         linearizer.inverse_transform([[*vector[:-1], np.nan]])
+
+
+# Walks in joint angles.
+
+
+def _joint_walks(n=3):
+    return [swinging(0.05 * np.arange(600), seed=seed, name=f"walk {seed}") for seed in range(n)]
+
+
+def test_joint_walks_come_back_with_their_features():
+    """In phase: left minus right hip flexion is a pure cosine. The bones are those of the first walk."""
+    walks = _joint_walks()
+    linearizer = FourierLinearizer(n_cycles=5, frame_rate=60.0, phase_reference="auto").fit(walks)
+    table = linearizer.transform(walks)
+    assert table.shape == (3, 5 * 3 * 22 + 1)
+    assert_allclose(table[:, -1], 0.05 * 120 / (2 * np.pi), rtol=1e-9)
+    names = list(linearizer.get_feature_names_out())
+    sine, cosine = (table[:, names.index(f"{wave}1_LeftUpLeg_y")] for wave in ("sin", "cos"))
+    other = [table[:, names.index(f"{wave}1_RightUpLeg_y")] for wave in ("sin", "cos")]
+    assert_allclose(sine, other[0], atol=1e-12)
+    assert (cosine < other[1]).all()  # forward is negative
+    made = linearizer.inverse_transform(table)
+    assert_allclose(linearizer.transform(made), table, atol=1e-9)
+    for walk in made:
+        assert walk.skeleton is linearizer.template_.skeleton
+        assert np.ptp(walk.root, axis=0).max() == 0
+
+
+def test_joints_without_channels_stand_as_in_the_first_walk():
+    walks = [replace(walk, channel_joints=("LeftUpLeg", "RightUpLeg", "Head")) for walk in _joint_walks()]
+    linearizer = FourierLinearizer().fit(walks)
+    vectors = linearizer.transform(walks)
+    assert vectors.shape == (3, 5 * 3 * 3 + 1)
+    made = linearizer.inverse_transform(vectors)[2]
+    still = np.setdiff1d(np.arange(22), made._columns())
+    assert_array_equal(
+        made.rotations[:, still], np.broadcast_to(walks[0].rotations[0, still], made.rotations[:, still].shape)
+    )
+    assert_allclose(linearizer.transform([made]), vectors[2:], atol=1e-9)
+
+
+def test_other_joints_are_refused():
+    walk = _joint_walks(1)[0]
+    linearizer = FourierLinearizer().fit([walk])
+    few = replace(walk, channel_joints=("Hips", "LeftUpLeg", "RightUpLeg"), name="few")
+    message = (
+        "'few': expected the 66 channels .* got 9; missing: Spine_x, .*; unknown: none; .* one skeleton, and prepare"
+    )
+    with pytest.raises(WalkError, match=message):
+        linearizer.transform([walk, few])
+    names = tuple("Tail" if joint == "Head" else joint for joint in walk.skeleton.joint_names)
+    tailed = replace(walk, skeleton=replace(walk.skeleton, joint_names=names), name="tailed")
+    with pytest.raises(WalkError, match=r"missing: Head_x, Head_y, Head_z; unknown: Tail_x, Tail_y, Tail_z"):
+        FourierLinearizer().fit([walk, tailed])
+    in_file = replace(walk, skeleton=replace(walk.skeleton, upright=False), name="in file")
+    with pytest.raises(
+        WalkError, match="'in file': expected rotations along the axes of the room in all walks or in none"
+    ):
+        linearizer.transform([in_file])
+
+
+@pytest.mark.parametrize("check", contract.CHECKS, ids=lambda check: check.__name__)
+def test_contract_of_joint_walks(check):
+    check(FourierLinearizer(), [replace(walk, speed=1.2) for walk in _joint_walks()])
 
 
 @pytest.mark.parametrize("check", contract.CHECKS, ids=lambda check: check.__name__)

@@ -19,6 +19,7 @@ from eigenwalker.motion import (
     stride_phase,
     walk_quality,
 )
+from tests.joint_bodies import swinging
 from tests.recorded import bandai_walks, cmu_walks
 from tests.recordings import FREQUENCY, drifting_walk, legendre_drift, over_the_floor
 from tests.synthetic import make_walk
@@ -158,13 +159,48 @@ def test_events_move_with_the_phase():
 
 
 def test_joint_walks_have_a_phase_too(data_dir):
-    recorded, _, _ = cmu_walks(data_dir)
-    walk = next(walk for walk in recorded if walk.name == "07_01")
+    """It is that of the markers, whose harmonics are others, to a hundredth of a stride."""
+    recorded, prepared, _ = cmu_walks(data_dir)
+    walk, markers = next(pair for pair in zip(recorded, prepared, strict=True) if pair[0].name == "07_01")
+    walk = prepare(walk, representation="joints")
     phase, frequency = stride_phase(walk)
     assert (np.diff(phase) > 0).all()
     assert_allclose(frequency, stride_frequency(walk), rtol=0.02)
-    with pytest.raises(TypeError, match="expected a Walk, got JointWalk; turn joints into markers"):
-        steady_cadence(walk)
+    assert _off(phase, stride_phase(markers).phase) < 2 * np.pi / 100
+
+
+def _drifting_joints(drift):
+    """Return a joint walk whose phase runs ahead of a steady one by `drift`, and that phase."""
+    phase = 2 * np.pi * FREQUENCY * np.arange(len(drift)) / 60.0 + drift
+    return swinging(phase, frame_rate=60.0, loose=("Head",)), phase
+
+
+def test_drift_of_joint_walks_goes_as_well():
+    """Rotations, the root, and joints that move against their parents: all go by the same phase."""
+    drift = legendre_drift(3, _n_frames(12), 6, 1.2)
+    walk, phase = _drifting_joints(drift)
+    assert _off(stride_phase(walk).phase, phase) < 0.02
+    steady = steady_cadence(walk)
+    evenly, _ = _drifting_joints(np.linspace(drift[0], drift[-1], len(drift)))
+    assert_allclose(steady.rotations, evenly.rotations, atol=1e-4)
+    assert_allclose(steady.root, evenly.root, atol=1e-4)
+    assert_allclose(steady.translations["Head"], evenly.translations["Head"], atol=1e-4)
+    assert explained_power(steady.channels, 60.0, stride_frequency(steady), 2) > 1 - 1e-6
+
+
+def test_a_given_phase_reference_is_used():
+    """The first guess may come from any channel with the period of a stride, where there is no rig to name one."""
+    walk, phase = _drifting_joints(0.5 * _line(_n_frames(10)) ** 2)
+    names = tuple(f"bone {number}" for number in range(len(walk.skeleton.joint_names)))
+    unknown = replace(walk, skeleton=replace(walk.skeleton, joint_names=names), translations={})
+    with pytest.raises(ValueError, match=r"walk 'anna': its joints are of no known rig.*pass phase_reference="):
+        steady_cadence(unknown)
+    left, right = (f"{names[walk.skeleton.index(f'{side}UpLeg')]}_y" for side in ("Left", "Right"))
+    reference = {left: -1.0, right: 1.0}
+    assert _off(stride_phase(unknown, phase_reference=reference).phase, phase) < 0.02
+    assert_allclose(
+        steady_cadence(unknown, phase_reference=reference).rotations, steady_cadence(walk).rotations, atol=1e-6
+    )
 
 
 def test_bandai_walks_are_explained_better(data_dir):

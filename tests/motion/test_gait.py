@@ -20,10 +20,11 @@ from eigenwalker.motion import (
     gait_table,
     heel_strikes,
     mirror_walk,
+    step_frequency,
     stride_frequency,
     toe_offs,
 )
-from tests.recorded import bandai_walks, style
+from tests.recorded import bandai_joints, bandai_walks, style
 from tests.synthetic import make_walk
 
 
@@ -212,3 +213,25 @@ def test_recorded_double_support_is_a_tenth_of_the_stride(horst):
         if len(strikes) == 2:
             both = toe_offs(walk, "left")[0] - strikes[0]
             assert 0.10 < both / np.diff(strikes)[0] < 0.18, walk.name
+
+
+def test_step_frequency_is_that_of_the_steps():
+    """Tilmanne & Dutoit 2012, section 2.2: the inverse of twice the mean step duration."""
+    strikes = [
+        Event(time, "heel_strike", side) for time, side in zip((0.1, 0.6, 1.2), ("left", "right", "left"), strict=True)
+    ]
+    walk = replace(make_walkers(1, random_state=0).data[0], events=tuple(strikes))
+    assert_allclose(step_frequency(walk), 1 / (2 * (0.5 + 0.6) / 2))
+    assert_allclose(step_frequency(_swinging(phase=1.0)), 1.0, rtol=1e-3)
+    standing = replace(walk, positions=np.repeat(walk.positions[:1], walk.n_frames, axis=0), events=())
+    with pytest.raises(WalkError, match="expected a step"):
+        step_frequency(standing)
+
+
+def test_step_frequency_is_nearly_the_stride_frequency(data_dir):
+    _, prepared = bandai_walks(data_dir)
+    errors = [step_frequency(walk) / stride_frequency(walk) - 1 for walk in prepared]
+    assert np.abs(errors).max() < 0.015
+    assert np.median(np.abs(errors)) < 0.003
+    joints = bandai_joints(data_dir, 2)
+    assert_allclose([step_frequency(walk) for walk in joints], [stride_frequency(walk) for walk in joints], rtol=0.015)

@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
 from eigenwalker.motion import euler_from_rotvec, forward_kinematics, rotvec_from_euler, unroll_rotvec
-from eigenwalker.motion.rotations import rotvec_from_channels
+from eigenwalker.motion.rotations import rotvec_from_channels, turn_frames
 
 _angles = st.lists(st.floats(-7, 7), min_size=3, max_size=3)
 
@@ -84,23 +84,108 @@ def test_shapes_of_euler_angles():
     assert euler_from_rotvec(np.zeros((0, 2, 3)), "XYZ").shape == (0, 2, 3)
 
 
-@settings(deadline=None)
-@given(seed=st.integers(0, 10_000), turns=st.floats(-3, 3))
-def test_unrolled_maps_are_continuous_and_the_same_rotations(seed, turns):
-    """A smooth sequence through several turns comes back after each map was brought below pi."""
+def _quaternions(rotvec):
+    """Return the quaternions of exponential maps of any length, shape (..., 4)."""
+    angle = np.linalg.norm(rotvec, axis=-1, keepdims=True)
+    return np.concatenate((np.cos(angle / 2), np.sinc(angle / (2 * np.pi)) / 2 * rotvec), axis=-1)
+
+
+def _same_turns(one, other):
+    """Return how far the rotations of two arrays of exponential maps differ, as quaternions up to their sign."""
+    p, q = _quaternions(one), _quaternions(other)
+    return np.minimum(np.abs(p - q).max(axis=-1), np.abs(p + q).max(axis=-1)).max()
+
+
+_steps = st.lists(st.floats(-3.1, 3.1), min_size=2, max_size=60)  # below half a turn a frame
+
+
+@given(steps=_steps, start=st.floats(-3.1, 3.1), seed=st.integers(0, 10_000))
+def test_turns_about_one_axis_are_unrolled_however_many(steps, start, seed):
+    """Each step is the true angle, through any number of full turns; the true angles start below half a turn."""
+    axis = np.random.default_rng(seed).normal(size=3)
+    axis /= np.linalg.norm(axis)
+    angles = np.cumsum([start, *steps])
+    wrapped = (np.mod(angles + np.pi, 2 * np.pi) - np.pi)[:, np.newaxis] * axis
+    unrolled = unroll_rotvec(wrapped[:, np.newaxis])[:, 0]
+    assert_allclose(unrolled, angles[:, np.newaxis] * axis, atol=1e-9)
+    lengths = np.linalg.norm(np.diff(unrolled, axis=0), axis=1)
+    assert (lengths <= np.abs(steps) + 1e-9).all()
+    assert _same_turns(unrolled, wrapped) < 1e-12
+
+
+@given(seed=st.integers(0, 10_000), n_frames=st.integers(1, 80), reach=st.floats(0.01, 3.0))
+def test_unrolled_maps_are_the_nearest_of_the_same_rotations(seed, n_frames, reach):
+    """The axis turns as well. No other map of the same rotation is nearer to that of the frame before."""
+    steps = reach * np.random.default_rng(seed).uniform(-1, 1, size=(n_frames, 2, 3)) / np.sqrt(3)
+    turns, frames = [Rotation.random(2, rng=np.random.default_rng(seed))], []
+    for step in steps:
+        turns.append(turns[-1] * Rotation.from_rotvec(step))
+    frames = np.stack([turn.as_rotvec() for turn in turns])
+    unrolled = unroll_rotvec(frames)
+    assert _same_turns(unrolled, frames) < 1e-12
+    assert_allclose(unrolled[0], frames[0])
+    angles = np.linalg.norm(unrolled, axis=-1, keepdims=True)
+    rivals = unrolled + 2 * np.pi * np.arange(-4, 5)[:, np.newaxis, np.newaxis, np.newaxis] * unrolled / angles
+    gained = np.linalg.norm(rivals[:, 1:] - unrolled[:-1], axis=-1)
+    assert (np.linalg.norm(np.diff(unrolled, axis=0), axis=-1) <= gained + 1e-9).all()
+
+
+@given(seed=st.integers(0, 10_000))
+def test_smooth_motion_far_from_a_full_turn_has_no_jump(seed):
+    """Through half a turn about any axis. The map stretches across its axis, by at most (r / 2) / sin(r / 2)."""
     rng = np.random.default_rng(seed)
     axis = rng.normal(size=3)
     axis /= np.linalg.norm(axis)
-    angles = np.linspace(0.3, 0.3 + 2 * np.pi * turns, 200)
-    smooth = angles[:, np.newaxis] * axis + 0.02 * np.cumsum(rng.normal(size=(200, 3)), axis=0) / 14
+    wobble = 0.02 * rng.normal(size=(400, 3)).cumsum(axis=0) / 20
+    smooth = np.linspace(2.0, 4.5, 400)[:, np.newaxis] * axis + wobble
     wrapped = Rotation.from_rotvec(smooth).as_rotvec()
     unrolled = unroll_rotvec(wrapped[:, np.newaxis])[:, 0]
-    again, expected = (Rotation.from_rotvec(r).as_matrix() for r in (unrolled, smooth))
-    assert_allclose(again, expected, atol=1e-12)
-    # The nearest of all maps of the same rotation: never more than half a turn away along its axis.
-    before = np.linalg.norm(unrolled[:-1], axis=1)
+    assert _same_turns(unrolled, smooth) < 1e-12
     steps = np.linalg.norm(np.diff(unrolled, axis=0), axis=1)
-    assert (steps <= np.linalg.norm(np.diff(wrapped, axis=0), axis=1) + 1e-9).all() or before.min() < 1
+    turns = Rotation.from_rotvec(wrapped)
+    true = (turns[:-1].inv() * turns[1:]).magnitude()
+    largest = np.linalg.norm(unrolled, axis=1).max() / 2
+    assert (steps <= true * largest / np.sin(largest) * 1.01 + 1e-9).all()
+
+
+def test_past_a_full_turn_aside_no_map_is_near():
+    """All directions are one rotation at a full turn, so that a way past it may have to jump: to the nearest, still."""
+    turns = np.array([[[0, 0, 2 * np.pi - 0.2]], [[0, 0.1, 0]]])
+    assert_allclose(unroll_rotvec(turns), turns)
+
+
+def test_standing_still_at_full_turns_keeps_the_axis():
+    turns = np.array([[[0, 0, 2 * np.pi - 0.1]], [[0, 0, 0]], [[0, 0, 0]], [[0, 0, 0.1]]])
+    assert_allclose(unroll_rotvec(turns)[:, 0, 2], 2 * np.pi + np.array([-0.1, 0, 0, 0.1]))
+    small = np.array([[[0, 0, 0.2]], [[0, 0, 0]], [[0, -0.1, 0]]])
+    assert_allclose(unroll_rotvec(small), small)
+
+
+@given(seed=st.integers(0, 10_000), n_frames=st.integers(1, 30))
+def test_turned_frames_are_products(seed, n_frames):
+    """A R B of scipy, then unrolled; and back with the transposes."""
+    rng = np.random.default_rng(seed)
+    rotations = rng.normal(size=(1, 4, 3)) + 0.3 * rng.normal(size=(n_frames, 4, 3)).cumsum(axis=0)
+    before, after = (Rotation.random(4, rng=rng).as_matrix() for _ in range(2))
+    expected = np.empty_like(rotations)
+    for joint in range(4):
+        left, right = Rotation.from_matrix(before[joint]), Rotation.from_matrix(after[joint])
+        expected[:, joint] = (left * Rotation.from_rotvec(rotations[:, joint]) * right).as_rotvec()
+    got = turn_frames(rotations, before, after)
+    assert _same_turns(got, expected) < 1e-12
+    assert np.linalg.norm(got[0], axis=1).max() <= np.pi + 1e-12
+    assert_allclose(unroll_rotvec(got), got, atol=1e-12)  # nothing is left to unroll
+    back = turn_frames(got, before.transpose(0, 2, 1), after.transpose(0, 2, 1))
+    assert _same_turns(back, rotations) < 1e-12
+
+
+def test_frames_turned_by_nothing_stay():
+    rotations = np.array([[[0.2, -0.1, 3.0]], [[0.2, -0.1, 3.3]], [[0.2, -0.1, 6.0]]])
+    same = np.eye(3)[np.newaxis]
+    assert_allclose(turn_frames(rotations, same, same), rotations, atol=1e-12)
+    assert turn_frames(np.zeros((0, 1, 3)), same, same).shape == (0, 1, 3)
+    quarter = Rotation.from_rotvec([[0, 0, np.pi / 2]]).as_matrix()
+    assert_allclose(turn_frames(np.zeros((1, 1, 3)), quarter, same), [[[0, 0, np.pi / 2]]], atol=1e-15)
 
 
 def test_small_angles_keep_their_digits():
