@@ -16,6 +16,9 @@ __all__ = ["cut", "guess_frequency", "steady_frames", "whole_frames", "without_l
 
 _ROUNDING = 1e-6  # seconds by which an event in the first frame may miss it
 _JUMP_SPEED = 15.0  # m/s of the pelvis between two frames; no body moves like that
+_JUMP = 0.25  # metres of a marker against the pelvis between two frames
+_FLIPPED = 3  # markers that must jump
+_END = 2  # steps between frames from either end in which a calibration posture is looked for
 _ENOUGH_STRIDES = 2.0  # a steady part with fewer is widened
 
 
@@ -44,17 +47,34 @@ def whole_frames(walk: Walk) -> slice:
 
 
 def without_leaps(walk: Walk) -> slice:
-    """Return the longest run of frames without a leap of the pelvis, and say which frames are left out."""
-    steps = np.linalg.norm(np.diff(walk.marker("pelvis"), axis=0), axis=1) * walk.frame_rate
-    if not (steps > _JUMP_SPEED).any():
+    """Return the longest run of frames in which nothing leaps, and say which frames are left out.
+
+    The pelvis leaps where frames of zeros stand in a file, and limbs do where a calibration posture stands at one of
+    its ends. One or two markers that flip, or more in the midst of a walk, are noise, and no leap.
+    """
+    pelvis = walk.marker("pelvis")
+    body = np.linalg.norm(np.diff(pelvis, axis=0), axis=1) * walk.frame_rate > _JUMP_SPEED
+    leaps = body | _limbs_leap(walk)
+    if not leaps.any():
         return slice(0, walk.n_frames)
-    first, last = longest_run(steps <= _JUMP_SPEED)
+    first, last = longest_run(~leaps)
+    what = "pelvis leaps" if body.any() else "limbs leap, from another posture,"
     warnings.warn(
-        f"walk {walk.name!r}: the pelvis leaps at {steps.max():.0f} m/s; kept frames {first} to {last} of "
-        f"{walk.n_frames} and left the other {walk.n_frames - 1 - last + first} out",
+        f"walk {walk.name!r}: the {what} between two frames; kept frames {first} to {last} of {walk.n_frames} and left "
+        f"the other {walk.n_frames - 1 - last + first} out",
         stacklevel=3,
     )
     return slice(first, last + 1)
+
+
+def _limbs_leap(walk: Walk) -> NDArray[np.bool_]:
+    """Return whether three markers or more leap against the pelvis next to an end of the walk, (n_frames - 1,)."""
+    limbs = walk.positions - walk.marker("pelvis")[:, np.newaxis]
+    leaps = np.zeros(walk.n_frames - 1, dtype=bool)
+    for part in (slice(0, _END), slice(max(0, len(leaps) - _END), len(leaps))):
+        steps = np.linalg.norm(np.diff(limbs[part.start : part.stop + 1], axis=0), axis=2)
+        leaps[part] = (steps > _JUMP).sum(axis=1) >= _FLIPPED
+    return leaps
 
 
 def guess_frequency(walk: Walk, direction: NDArray[np.float64], frequency_range: tuple[float, float]) -> float:
