@@ -10,6 +10,7 @@ from eigenwalker.display.movie import draw_frames, write_movie
 from eigenwalker.display.movie_table import write_movies
 from eigenwalker.display.permutation_display import PermutationDisplay
 from eigenwalker.display.plotting import StickFigureDisplay
+from eigenwalker.display.pose_display import PoseDisplay
 from eigenwalker.display.report import AxisReport, axis_report
 from eigenwalker.display.scree_display import ScreeDisplay
 from eigenwalker.display.screen import Screen
@@ -26,6 +27,7 @@ __all__ = [
     "DeviationDisplay",
     "PermutationDisplay",
     "PointLightDisplay",
+    "PoseDisplay",
     "ScreeDisplay",
     "Screen",
     "SpectrumDisplay",
