@@ -21,7 +21,7 @@ from eigenwalker import (
     save_model,
     walk_along_axis,
 )
-from eigenwalker.motion import prepare_walks, stride_frequency, walk_quality
+from eigenwalker.motion import stride_frequency, walk_quality
 from tests.events import heel_strikes, stride_frequency_from_strikes
 from tests.recorded import bandai_joints, bandai_walks, cmu_joints, cmu_walks, style
 
@@ -61,7 +61,7 @@ def test_no_octave_error_on_cmu(data_dir):
 
 def test_frames_of_zeros_are_reported_and_left_out(data_dir):
     recorded, prepared, messages = cmu_walks(data_dir)
-    (message,) = messages
+    (message,) = [message for message in messages if "the pelvis leaps" in message]
     assert "'07_12'" in message
     assert "kept frames 2 to 263 of 264" in message
     position = [walk.name for walk in recorded].index("07_12")
@@ -132,8 +132,8 @@ def test_base_with_its_own_alpha_is_the_base(two_styles):
 def test_joint_walks_are_linearised_as_well(data_dir):
     """The same steps on joint rotations: one stride frequency, and a band-limited walk comes back."""
     names = ("05_01", "06_01", "07_07")
-    recorded, prepared, _ = cmu_walks(data_dir)
-    joints = prepare_walks([walk for walk in recorded if walk.name in names], representation="joints")
+    prepared = cmu_walks(data_dir)[1]
+    joints = [walk for walk in cmu_joints(data_dir) if walk.name in names]
     linearizer = FourierLinearizer(n_cycles=3).fit(joints)
     vectors = linearizer.transform(joints)
     assert vectors.shape == (3, 5 * 3 * 27 + 1)  # of 31 joints 4 stand still
@@ -209,7 +209,7 @@ def test_joints_are_a_matter_of_choice(data_dir):
 
 def test_other_skeletons_are_refused_with_their_joints(data_dir):
     walks = [bandai_joints(data_dir)[0], cmu_joints(data_dir)[0]]
-    message = r"'02_01': expected the 63 channels .* missing: Spine_x, .*unknown: LeftUpLeg_x, .* to one skeleton"
+    message = r"'02_01': expected the 63 channels .* missing: Chest_x, .*unknown: LeftUpLeg_x, .* to one skeleton"
     with pytest.raises(WalkError, match=message):
         FourierLinearizer().fit(walks)
 

@@ -5,7 +5,8 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+from sklearn.discriminant_analysis import LinearDiscriminantAnalysis
 from sklearn.linear_model import LinearRegression
 from sklearn.metrics import balanced_accuracy_score
 from sklearn.model_selection import LeaveOneGroupOut, cross_val_predict
@@ -49,48 +50,63 @@ def report_prediction(
     """
     vectors = np.asarray(model["linearizer"].transform(walks))
     tempo = np.column_stack((vectors[:, -1], [walk.speed for walk in walks]))
-    guesses, plain = pd.DataFrame(index=traits.index), pd.DataFrame(index=traits.index)
-    for trait in tqdm(traits.columns, desc="leaving out", delay=2):
-        known = traits[trait].notna().to_numpy()
-        labels, parts = traits.loc[known, [trait]], groups[known]
-        two_valued = model["trait"].is_two_valued(trait)
-        regressor = TraitRegressor(poles={trait: model["trait"].poles_[trait]} if two_valued else None)
-        codes = regressor.fit(vectors[known], labels).encode(labels)[:, 0]
+    fitted = model["trait"]
+    guesses = pd.DataFrame(index=traits.index)
+    known_tempo = np.isfinite(tempo).all(axis=1)
+    for names in tqdm(_alike(traits), desc="leaving out", delay=2):
+        known = traits[names[0]].notna().to_numpy()
+        poles = {name: fitted.poles_[name] for name in names if fitted.is_two_valued(name)}
+        steps = Pipeline([*model.steps[1:-1], ("trait", TraitRegressor(poles=poles or None))])
         within = {name: values[known] for name, values in noise.items()}
-        guess = _leave_out(Pipeline([*model.steps[1:-1], ("trait", regressor)]), vectors[known], labels, parts, within)
-        guesses.loc[known, trait] = guess
-        print(f"{trait}, leaving out one {who} at a time: {_agreement(codes, guess, two_valued)}")
-        if np.isfinite(tempo[known]).all():
-            guess = _leave_out(LinearRegression(), tempo[known], codes, parts, {})
-            plain.loc[known, trait] = guess
+        guesses.loc[known, names] = _leave_out(steps, vectors[known], traits.loc[known, names], groups[known], within)
+    for name in traits:
+        known = traits[name].notna().to_numpy()
+        two_valued = fitted.is_two_valued(name)
+        codes = fitted.encode(traits)[known, traits.columns.get_loc(name)]
+        print(f"{name}, leaving out one {who} at a time: {_agreement(codes, guesses.loc[known, name], two_valued)}")
+        if known_tempo[known].all():
+            guess = _leave_out(LinearRegression(), tempo[known], codes, groups[known]).ravel()
             print(f"  frequency and speed alone: {_agreement(codes, guess, two_valued)}")
         if two_valued:
-            means = model["trait"].alpha_means_[trait]
+            means = fitted.alpha_means_[name]
             print("  mean alpha: " + ", ".join(f"{group} {alpha:+.2f}" for group, alpha in means.items()))
     for label, names in styles.items():
-        print(f"{label}, the highest of {len(names)} axes: {_highest(traits[names], guesses[names])}")
-        if set(names) <= set(plain):
-            print(f"  frequency and speed alone: {_highest(traits[names], plain[names])}")
+        known = traits[names].notna().all(axis=1).to_numpy()
+        truth = _which(traits.loc[known, names])
+        guess = guesses.loc[known, names].to_numpy().argmax(axis=1)
+        print(f"{label}, the highest of {len(names)} axes: {_shares_right(truth, guess)}")
+        if known_tempo[known].all():
+            guess = _leave_out(LinearDiscriminantAnalysis(), tempo[known], truth, groups[known])
+            print(f"  frequency and speed alone, discriminant analysis: {_shares_right(truth, guess)}")
     if who == "recording":
         print("every recording was taken for another person; if persons recur, name them with --group")
 
 
-def _leave_out(axis: Any, X: NDArray, y: Any, groups: NDArray, within: Mapping[str, NDArray]) -> NDArray[np.float64]:
-    return cross_val_predict(axis, X, y, groups=groups, cv=LeaveOneGroupOut(), params=dict(within)).ravel()
+def _alike(traits: pd.DataFrame) -> list[list[str]]:
+    """Return the traits in groups that are known of the same walks, which one model can predict at once."""
+    groups: dict[bytes, list[str]] = {}
+    for name in traits:
+        groups.setdefault(traits[name].notna().to_numpy().tobytes(), []).append(str(name))
+    return list(groups.values())
 
 
-def _agreement(codes: NDArray[np.float64], guess: NDArray[np.float64], two_valued: bool) -> str:
+def _leave_out(
+    steps: Any, X: NDArray, y: Any, groups: NDArray, within: Mapping[str, NDArray] | None = None
+) -> NDArray[np.float64]:
+    return cross_val_predict(steps, X, y, groups=groups, cv=LeaveOneGroupOut(), params=dict(within or {}))
+
+
+def _agreement(codes: NDArray[np.float64], guess: ArrayLike, two_valued: bool) -> str:
+    guess = np.asarray(guess, dtype=np.float64)
     if not two_valued:
         return f"r = {np.corrcoef(codes, guess)[0, 1]:.2f} over {len(codes)} walks"
     return _shares_right(codes, np.where(guess > 0, 1.0, -1.0))
 
 
-def _highest(traits: pd.DataFrame, guesses: pd.DataFrame) -> str:
-    """Return how often the highest guess is that of the trait's positive end, "style=elderly" of elderly."""
-    known = guesses.notna().all(axis=1).to_numpy()
-    positive = np.array([name.partition("=")[2] for name in traits])
-    truth = (traits[known] == positive).to_numpy().argmax(axis=1)
-    return _shares_right(truth, guesses[known].to_numpy().argmax(axis=1))
+def _which(traits: pd.DataFrame) -> NDArray[np.intp]:
+    """Return which trait each walk is at the positive end of, "style=elderly" for elderly."""
+    words = np.array([name.partition("=")[2] for name in traits])
+    return (traits.to_numpy(dtype=str) == words).argmax(axis=1)
 
 
 def _shares_right(truth: NDArray, guess: NDArray) -> str:

@@ -11,8 +11,8 @@ from sklearn.pipeline import Pipeline
 from eigenwalker._validation import WalkError, check_walks
 from eigenwalker.model._guards import distances, warn_outside
 from eigenwalker.model.eigenwalkers import split_model, trait_axes
-from eigenwalker.model.generation import with_names
 from eigenwalker.model.linearization import FourierLinearizer
+from eigenwalker.model.stepping import with_names
 from eigenwalker.motion.limits import warn_joint_limits
 from eigenwalker.motion.walk import JointWalk, Walk
 

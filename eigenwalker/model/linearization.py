@@ -218,7 +218,6 @@ class FourierLinearizer(TransformerMixin, BaseEstimator):
     def _check_channels(self, walks: list[Walk | JointWalk]) -> list[Walk | JointWalk]:
         expected = self.template_.channel_names
         for walk in walks:
-            joints = isinstance(walk, JointWalk)
             if walk.channel_names != expected:
                 lacks = [name for name in expected if name not in walk.channel_names]
                 adds = [name for name in walk.channel_names if name not in expected]
@@ -226,9 +225,13 @@ class FourierLinearizer(TransformerMixin, BaseEstimator):
                     f"walk {walk.name!r}: expected the {len(expected)} channels of the first walk in fit, got "
                     f"{len(walk.channel_names)}; missing: {', '.join(lacks[:6]) or 'none'}; unknown: "
                     f"{', '.join(adds[:6]) or 'none'}; bring all walks to one "
-                    + ("skeleton, and prepare them with the same joints=..." if joints else "marker set, in one order")
+                    + (
+                        "skeleton, and prepare them with the same joints=..."
+                        if isinstance(walk, JointWalk)
+                        else "marker set, in one order"
+                    )
                 )
-            if joints and walk.skeleton.upright != self.template_.skeleton.upright:
+            if _is_upright(walk) != _is_upright(self.template_):
                 raise WalkError(
                     f"walk {walk.name!r}: expected rotations along the axes of the room in all walks or in none; "
                     "prepare all of them with representation='joints'"
@@ -288,6 +291,10 @@ class FourierLinearizer(TransformerMixin, BaseEstimator):
         tags.input_tags.two_d_array = False
         tags.no_validation = True
         return tags
+
+
+def _is_upright(walk: Walk | JointWalk) -> bool:
+    return isinstance(walk, JointWalk) and walk.skeleton.upright
 
 
 def _one_frame(walk: Walk | JointWalk) -> Walk | JointWalk:

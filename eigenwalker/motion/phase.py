@@ -24,7 +24,7 @@ def phase_weights(walk: Walk | JointWalk, phase_reference: str | Mapping[str, fl
         Whose channels are weighted.
     phase_reference : "auto" or mapping of str to float, default "auto"
         Channels with weights. "auto" is left minus right ankle, forward, for markers, and left minus right hip
-        flexion, as the rig names it, for joints.
+        flexion for joints of an upright skeleton.
 
     Raises
     ------

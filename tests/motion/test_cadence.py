@@ -20,7 +20,7 @@ from eigenwalker.motion import (
     walk_quality,
 )
 from tests.joint_bodies import swinging
-from tests.recorded import bandai_walks, cmu_walks
+from tests.recorded import bandai_walks, cmu_joints, cmu_walks
 from tests.recordings import FREQUENCY, drifting_walk, legendre_drift, over_the_floor
 from tests.synthetic import make_walk
 
@@ -160,9 +160,8 @@ def test_events_move_with_the_phase():
 
 def test_joint_walks_have_a_phase_too(data_dir):
     """It is that of the markers, whose harmonics are others, to a hundredth of a stride."""
-    recorded, prepared, _ = cmu_walks(data_dir)
-    walk, markers = next(pair for pair in zip(recorded, prepared, strict=True) if pair[0].name == "07_01")
-    walk = prepare(walk, representation="joints")
+    pairs = zip(cmu_joints(data_dir), cmu_walks(data_dir)[1], strict=True)
+    walk, markers = next(pair for pair in pairs if pair[0].name == "07_01")
     phase, frequency = stride_phase(walk)
     assert (np.diff(phase) > 0).all()
     assert_allclose(frequency, stride_frequency(walk), rtol=0.02)

@@ -9,11 +9,11 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.spatial.transform import Rotation
 
-from eigenwalker import WalkError, prepare
+from eigenwalker import WalkError
 from eigenwalker.motion import JointWalk, Skeleton, find_rig, reference_frames, stand_upright
 from eigenwalker.motion.posture import lean_back
 from tests.joint_bodies import RIGS_OF_JOINTS, apart, body, in_posture, mixamo, random_skeleton, still, turning
-from tests.recorded import bandai_walks, cmu_walks
+from tests.recorded import bandai_joints, bandai_walks, cmu_joints, cmu_walks
 
 rigs = pytest.mark.parametrize("rig", RIGS_OF_JOINTS)
 seeds = st.integers(0, 100_000)
@@ -146,9 +146,10 @@ def test_signs_are_those_of_the_room(rig, walk):
         assert_allclose(shank / np.linalg.norm(shank), [-np.sqrt(0.75), 0, -0.5], atol=1e-6)
 
 
-@pytest.mark.parametrize("rig", ["bandai", "cmu"])
-def test_signs_hold_in_recorded_walks(rig, walk):
-    prepared = prepare(walk, representation="joints")
+@pytest.mark.parametrize("walks", [bandai_joints, cmu_joints])
+def test_signs_hold_in_recorded_walks(walks, data_dir):
+    names = ("dataset-2_walk_normal_001", "07_01")
+    prepared = next(walk for walk in walks(data_dir) if walk.name in names)
     joints = find_rig(prepared.skeleton.joint_names)
     markers, flexion = prepared.to_markers(), prepared.channels @ _weights(prepared)
     apart_ahead = (markers.marker("left_knee") - markers.marker("right_knee"))[:, 0]
