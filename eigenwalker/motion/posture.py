@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from eigenwalker._validation import WalkError, check_array, check_finite
-from eigenwalker.motion.rig import Place, Rig, as_rig
+from eigenwalker.motion.rig import STANDING, Place, Rig, as_rig
 from eigenwalker.motion.rigs import find_rig
 from eigenwalker.motion.rotations import forward_kinematics, turn_frames, unroll_rotvec
 from eigenwalker.motion.skeleton import Skeleton
@@ -23,6 +23,7 @@ __all__ = ["lean_back", "reference_frames", "stand_upright"]
 SIDES = ("left", "right")
 _DOWN = np.array([0.0, 0.0, -1.0])
 _HANGING = (("hip", "knee"), ("knee", "ankle"), ("shoulder", "elbow"), ("elbow", "wrist"))
+_STEEP = 0.7  # the cosine against the vertical of what points down
 _STILL = 1e-6  # radians by which a joint above the root may turn
 
 
@@ -74,20 +75,38 @@ def _standing(skeleton: Skeleton, rig: Rig) -> NDArray[np.float64]:
     """Return the joints' axes, shape (n_joints, 3, 3), in the reference posture of a rig."""
     ends = {rig.joint(f"{side}_{one}"): rig.joint(f"{side}_{other}") for side in SIDES for one, other in _HANGING}
     feet = {rig.joint(f"{side}_ankle"): toe_joint(skeleton, rig, side) for side in SIDES}
+    posture = STANDING if _stands_already(skeleton, rig, ends) else rig.posture
     frames, carried = np.empty((len(skeleton.parents), 3, 3)), np.empty((len(skeleton.parents), 3, 3))
     for place, (name, parent) in enumerate(zip(skeleton.joint_names, skeleton.parents, strict=True)):
-        own = _axes_of(rig.posture.axes.get(name, "xyz"))
+        own = _axes_of(posture.axes.get(name, "xyz"))
         carried[place] = carried[parent] if parent >= 0 else np.eye(3)
         if name in ends:
             carried[place] = _shortest_turn(own @ _bone(skeleton, name, ends[name]), _DOWN)
-        elif name in feet and rig.posture.foot_pitch is not None and (toe := feet[name]) is not None:
-            down = np.deg2rad(rig.posture.foot_pitch)
+        elif name in feet and posture.foot_pitch is not None and (toe := feet[name]) is not None:
+            down = np.deg2rad(posture.foot_pitch)
             ahead = np.array([np.cos(down), 0.0, -np.sin(down)])
             carried[place] = _shortest_turn(own @ _bone(skeleton, name, toe), ahead)
         elif name in feet.values():
-            carried[place] = _upward(rig.posture.toe_lift) @ carried[parent]
+            carried[place] = _upward(posture.toe_lift) @ carried[parent]
         frames[place] = carried[place] @ own
     return frames
+
+
+def _stands_already(skeleton: Skeleton, rig: Rig, ends: Mapping[str, str]) -> bool:
+    """Return whether a file holds bones along the axes of the room, as those of an upright walk are written.
+
+    Then thighs and shanks point down as they are, and not where the rig says.
+    """
+    if not rig.posture.axes:
+        return False
+    legs = [rig.joint(f"{side}_{joint}") for side in SIDES for joint in ("hip", "knee")]
+    bones = {name: _bone(skeleton, name, ends[name]) for name in legs}
+    own = [_axes_of(rig.posture.axes.get(name, "xyz")) @ bone for name, bone in bones.items()]
+    return all(_points_down(bone) for bone in bones.values()) and not any(_points_down(bone) for bone in own)
+
+
+def _points_down(bone: NDArray[np.float64]) -> bool:
+    return bool(-bone[2] > _STEEP * np.linalg.norm(bone))
 
 
 def _upward(degrees: float) -> NDArray[np.float64]:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.spatial.transform import Rotation
 
-from eigenwalker import WalkError
+from eigenwalker import WalkError, read_walk, write_walk
 from eigenwalker.motion import JointWalk, Skeleton, find_rig, reference_frames, stand_upright
 from eigenwalker.motion.posture import lean_back
 from tests.joint_bodies import RIGS_OF_JOINTS, apart, body, in_posture, mixamo, random_skeleton, still, turning
@@ -242,3 +242,12 @@ def test_what_cannot_stand_is_refused():
         reference_frames(replace(skeleton, parents=parents))
     with pytest.raises(ValueError, match="walk 'still' must have the joints of 'turning', joint0"):
         lean_back(still(skeleton), turning(random_skeleton(0), 0), reference="zero")
+
+
+def test_an_upright_walk_written_to_a_file_stands_upright_when_it_is_read(data_dir, tmp_path):
+    """Its bones lie along the axes of the room, whatever the rig says of files of its kind."""
+    for walk in (*bandai_joints(data_dir, 1)[:2], *cmu_joints(data_dir)[:2]):
+        write_walk(walk, tmp_path / "upright.bvh")
+        again = stand_upright(read_walk(tmp_path / "upright.bvh"))
+        np.testing.assert_allclose(again.rotations, walk.rotations, atol=1e-7)
+        np.testing.assert_allclose(again.skeleton.offsets, walk.skeleton.offsets, atol=1e-7)
