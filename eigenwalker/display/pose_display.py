@@ -96,7 +96,7 @@ class PoseDisplay:
         Parameters
         ----------
         walks : list of Walk or JointWalk
-            Prepared, or made by a model; their names are written below the rows.
+            Leading along x; their names are written below the rows.
         view : {"frontal", "half-profile", "side"} or float, default "side"
             Where the observer stands; a number is an azimuth in degrees.
         n_poses : int, default 6
@@ -120,6 +120,7 @@ class PoseDisplay:
         walks = check_walks(walks, kind=(Walk, JointWalk))
         if n_poses < 1 or (every is not None and not 0 < every < np.inf):
             raise ValueError(f"n_poses must be 1 or more and every positive or None, got {n_poses!r} and {every!r}")
+        walks = [stand_upright(walk) if isinstance(walk, JointWalk) else walk for walk in walks]
         strips = [_strip(walk, _frames(walk, n_poses, every), spread=every is None) for walk in walks]
         return cls(strips, azimuth=find_azimuth(view), spread=every is None).plot(ax=ax)
 
@@ -194,8 +195,7 @@ def _strip(walk: Walk | JointWalk, frames: NDArray[np.intp], *, spread: bool) ->
 
 
 def _body(walk: JointWalk, frames: NDArray[np.intp]) -> tuple[MarkerSet, NDArray[np.float64]]:
-    """Return joints, soles and head of single frames, with the bones between them."""
-    walk = stand_upright(walk)
+    """Return joints, soles and head of an upright walk in single frames, with the bones between them."""
     skeleton = walk.skeleton
     drawn = [joint for joint in range(len(skeleton.parents)) if joint not in skeleton.above(skeleton.root)]
     names = [skeleton.joint_names[joint] for joint in drawn]

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from sklearn.utils import check_random_state
 
 from eigenwalker._validation import check_finite, check_frame_rate, check_walks
-from eigenwalker.motion.fourier import evaluate_harmonics, fit_harmonics
+from eigenwalker.motion.fourier import evaluate_harmonics, fit_harmonics, reference_phase, shift_phase
 from eigenwalker.motion.ground import MAX_KNEE, plant_on_way
 from eigenwalker.motion.legs import find_legs
 from eigenwalker.motion.phase import find_stride, phase_weights
@@ -153,7 +153,8 @@ def _make(walk: JointWalk, order: _Order, seed: int) -> JointWalk:
         stride = max(2 * order.n_harmonics + 1, round(stride))
     margin = int(np.ceil(stride))
     times = np.arange(-margin, n_frames + margin) / order.frame_rate
-    series = _series(coefficients, order.frame_rate / stride, times, order.variation, seed)
+    start = reference_phase(coefficients, weights)
+    series = _series(coefficients, start, order.frame_rate / stride, times, order.variation, seed)
     still = np.zeros((len(times), 3))
     plain: dict[str, Any] = {"root": still, "translations": {}, "events": (), "speed": float("nan")}
     long = walk.with_channels(series, frame_rate=order.frame_rate, frequency=order.frame_rate / stride, **plain)
@@ -173,14 +174,18 @@ def _count_frames(order: _Order, frequency: float) -> int:
 
 def _series(
     coefficients: NDArray[np.float64],
+    start: float,
     frequency: float,
     times: NDArray[np.float64],
     variation: StrideVariation | None,
     seed: int,
 ) -> NDArray[np.float64]:
+    """Return channels at times, from coefficients whose phase zero lies `start` radians after time zero."""
     if variation is None:
         return evaluate_harmonics(coefficients, frequency, times)
-    return variation.series(coefficients, frequency, times, random_state=seed)
+    counted = times - start / (2 * np.pi * frequency)  # from phase zero on, where one stride passes into the next
+    counted += np.ceil(max(0.0, -counted[0]) * frequency) / frequency
+    return variation.series(shift_phase(coefficients, start), frequency, counted, random_state=seed)
 
 
 def _closed(walk: JointWalk) -> JointWalk:
