@@ -2,7 +2,8 @@
 
 A judge, principal components and linear discriminant analysis on Fourier coefficients of joint angles, learns the seven
 styles of bandai2 from recorded clips, and is asked about clips that it has not seen and about their synthesis: the
-Fourier model of the clip, with strides that differ as those of the style do, linearized anew like a recording. The
+Fourier model of the clip, with strides that differ as those of the style do and feet that stand, linearized anew like a
+recording. The
 styles are acted, by few people, and each comes from one of three recording sources: with everything that a clip shows
 any judge is at its ceiling, and agrees with any synthesis. So the judge is made worse, in the steps of the table, until
 it errs: speed, frequency and mean posture are taken out, then harmonics, joints at random (others in each split), and
@@ -16,6 +17,7 @@ clips. The walks are looked for where EIGENWALKER_TEST_DATA says, else in ../sha
 import argparse
 import os
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -31,10 +33,11 @@ from threadpoolctl import threadpool_limits
 from benchmarks._measure import describe_machine, print_table, print_targets
 from eigenwalker.io import read_walks
 from eigenwalker.model import FourierLinearizer
-from eigenwalker.motion import JointWalk, StrideVariation, prepare_walks
+from eigenwalker.motion import JointWalk, StrideVariation, prepare_walks, synthesize
+from eigenwalker.motion.clip import cut
 
 _JUDGED_HARMONICS = 3
-_MADE_HARMONICS = 2
+_MADE_HARMONICS = 3
 _HELD_OUT = 0.4
 _WORSE = 0.05  # rate by which synthesis may be recognized less than recordings
 
@@ -94,16 +97,22 @@ def _style(file: Path) -> str:
     return file.stem.split("_")[2]
 
 
-def synthesize_like(walk: JointWalk, vector: NDArray[np.float64], variation: StrideVariation, seed: int) -> JointWalk:
-    """Return the walk of a vector from another phase on, as long as a recording, with strides that vary.
+def synthesize_like(walk: JointWalk, clip: JointWalk, variation: StrideVariation, seed: int) -> JointWalk:
+    """Return the synthesis of a walk, as long as a clip, with strides that vary, feet on a treadmill.
 
-    The judge linearizes it like a recording, frequency and phase included.
+    It starts at another phase; the judge linearizes it like a recording, frequency and phase included.
     """
-    shape = (2 * variation.n_harmonics + 1, len(walk.channel_names))
-    coefficients, frequency = vector[: shape[0] * shape[1]].reshape(shape), vector[shape[0] * shape[1]]
-    start = np.random.default_rng(seed).uniform(0, 1 / frequency)
-    times = start + np.arange(walk.n_frames) / walk.frame_rate
-    return walk.with_channels(variation.series(coefficients, frequency, times, random_state=seed), frequency=np.nan)
+    start = int(np.random.default_rng(seed).integers(round(clip.frame_rate)))
+    made = synthesize(
+        walk,
+        duration=(clip.n_frames + start) / clip.frame_rate,
+        frame_rate=clip.frame_rate,
+        n_harmonics=variation.n_harmonics,
+        travel=False,
+        variation=variation,
+        random_state=seed,
+    )
+    return replace(cut(made, slice(start, start + clip.n_frames)), frequency=np.nan)
 
 
 class _Asked(NamedTuple):
@@ -173,6 +182,10 @@ def _synthesize(
     """Return for each seed a synthesis of every clip in `test`, and one of each style's mean over `train`."""
     linearizer = FourierLinearizer(_MADE_HARMONICS).fit(walks)
     vectors = linearizer.transform(walks)
+    typical = {
+        name: linearizer.inverse_transform(vectors[[one for one in train if styles[one] == name]].mean(axis=0)[None])[0]
+        for name in np.unique(styles)
+    }
     names = np.unique(styles)
     of_style = {name: [one for one in train if styles[one] == name] for name in names}
     varied = {
@@ -181,13 +194,13 @@ def _synthesize(
     }
     made = [
         [
-            synthesize_like(walks[clip], vectors[clip], varied[styles[clip]], seed + 100 * turn + place)
+            synthesize_like(walks[clip], walks[clip], varied[styles[clip]], seed + 100 * turn + place)
             for place, clip in enumerate(test)
         ]
         for turn in range(n_seeds)
     ]
     means = [
-        synthesize_like(walks[of_style[name][0]], vectors[of_style[name]].mean(axis=0), varied[name], seed + place)
+        synthesize_like(typical[name], walks[of_style[name][0]], varied[name], seed + place)
         for place, name in enumerate(names)
     ]
     return made, means
