@@ -15,6 +15,7 @@ from eigenwalker.model import (
     blend,
     hybrid_walk,
     make_eigenwalkers,
+    restyle_walk,
     walk_along_axis,
     walk_at,
 )
@@ -42,6 +43,7 @@ __all__ = [
     "prepare",
     "read_walk",
     "read_walks",
+    "restyle_walk",
     "save_model",
     "walk_along_axis",
     "walk_at",

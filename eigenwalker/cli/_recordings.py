@@ -19,7 +19,15 @@ from eigenwalker.io.formats import read_walk
 from eigenwalker.motion.preparation import prepare
 from eigenwalker.motion.walk import JointWalk
 
-__all__ = ["Loaded", "add_collecting_arguments", "add_recording_arguments", "list_reasons", "load", "reading_options"]
+__all__ = [
+    "Loaded",
+    "add_collecting_arguments",
+    "add_reading_arguments",
+    "add_recording_arguments",
+    "list_reasons",
+    "load",
+    "reading_options",
+]
 
 _Prepared = tuple[list[Any], list[Refusal]]
 
@@ -44,13 +52,18 @@ class Loaded(NamedTuple):
 
 def add_recording_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments that say what the numbers in a file mean, and those of `add_preparation_arguments`."""
+    add_reading_arguments(parser)
+    add_preparation_arguments(parser)
+
+
+def add_reading_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments that say what the numbers in a file mean."""
     group = parser.add_argument_group("what the numbers in the files mean")
     group.add_argument(
         "--unit", type=_unit, metavar="UNIT", help="unit of length: m, cm, mm, in or metres per unit (BVH: cm)"
     )
     group.add_argument("--up", choices=("y", "z"), help="axis that points up in the files (BVH: y)")
     group.add_argument("--frame-rate", type=float, metavar="HZ", help="frames per second, in place of the files'")
-    add_preparation_arguments(parser)
 
 
 def _unit(text: str) -> str | float:

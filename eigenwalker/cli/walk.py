@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from eigenwalker._validation import WalkError
+from eigenwalker.cli._alphas import add_alpha_argument, parse_alphas
 from eigenwalker.cli._recordings import add_recording_arguments, list_reasons, load, reading_options
 from eigenwalker.display.plotting import StickFigureDisplay
 from eigenwalker.io.formats import WRITERS, find_ending, read_walk, write_walk
@@ -28,9 +29,7 @@ DESCRIPTION = (
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's arguments."""
     parser.add_argument("model", type=Path, metavar="MODEL", help="from eigenwalker fit")
-    parser.add_argument(
-        "--alpha", required=True, action="append", metavar="TRAIT=VALUE", help="position on an axis; may be repeated"
-    )
+    add_alpha_argument(parser, help="position on an axis; may be repeated")
     parser.add_argument(
         "--base",
         type=Path,
@@ -60,7 +59,7 @@ def run(options: argparse.Namespace) -> None:
     ending = find_ending(options.out, dict.fromkeys(_ENDINGS))
     if ending is None:
         raise ValueError(f"--out must end in {', '.join(_ENDINGS)}, got {options.out.name}")
-    alphas = dict(_parse_alpha(text) for text in options.alpha)
+    alphas = parse_alphas(options.alpha)
     model = load_model(options.model)
     template = model["linearizer"].template_
     has_joints = isinstance(template, JointWalk)
@@ -115,13 +114,3 @@ def _with_skeleton(walk: JointWalk, options: argparse.Namespace) -> JointWalk:
     if not isinstance(original, JointWalk):
         raise WalkError(f"--skeleton: expected a file with joints, such as BVH, got the markers of {file}")
     return lean_back(walk, original)
-
-
-def _parse_alpha(text: str) -> tuple[str, float]:
-    trait, equals, value = text.rpartition("=")
-    try:
-        if equals and trait:
-            return trait, float(value)
-    except ValueError:
-        pass
-    raise ValueError(f"--alpha must be TRAIT=NUMBER, such as gender=2, got {text!r}")

@@ -4,6 +4,7 @@ from eigenwalker.io.amc import read_amc
 from eigenwalker.io.bids import read_bids, write_bids
 from eigenwalker.io.bml import BmlFeatures, bml_to_features, features_to_bml, read_bml, write_bml
 from eigenwalker.io.bvh import read_bvh
+from eigenwalker.io.bvh_rewriter import rewrite_bvh
 from eigenwalker.io.bvh_writer import write_bvh
 from eigenwalker.io.c3d import read_c3d, write_c3d
 from eigenwalker.io.formats import read_walk, read_walks, write_walk
@@ -27,6 +28,7 @@ __all__ = [
     "read_trc",
     "read_walk",
     "read_walks",
+    "rewrite_bvh",
     "write_bids",
     "write_bml",
     "write_bvh",

@@ -14,7 +14,7 @@ from eigenwalker.motion.rotations import rotvec_from_channels
 from eigenwalker.motion.skeleton import Skeleton
 from eigenwalker.motion.walk import JointWalk
 
-__all__ = ["read_bvh"]
+__all__ = ["channel_columns", "read_bvh"]
 
 _STILL = 1e-6  # a joint moves if its position channels range over more than this, in metres
 _SHORT = 12  # characters of a frame rate that a person chose
@@ -143,7 +143,7 @@ def _to_walk(bvh: BvhText, scale: float, up: str, name: str) -> JointWalk:
     )
 
 
-def _channel_columns(bvh: BvhText, kind: str) -> dict[int, tuple[str, list[int]]]:
+def channel_columns(bvh: BvhText, kind: str) -> dict[int, tuple[str, list[int]]]:
     """Return each joint's axes of the channels of one kind, such as "ZXY", and their columns in the motion."""
     found = {}
     first = 0
@@ -158,7 +158,7 @@ def _channel_columns(bvh: BvhText, kind: str) -> dict[int, tuple[str, list[int]]
 def _position_paths(bvh: BvhText, scale: float) -> dict[int, NDArray[np.float64]]:
     """Return the path of each joint with position channels against its parent, shape (n_frames, 3), in metres."""
     paths = {}
-    for joint, (axes, columns) in _channel_columns(bvh, "position").items():
+    for joint, (axes, columns) in channel_columns(bvh, "position").items():
         path = np.tile(np.array(bvh.joints[joint].offset), (len(bvh.motion), 1))
         path[:, ["XYZ".index(axis) for axis in axes]] = bvh.motion[:, columns]
         paths[joint] = scale * path
@@ -167,7 +167,7 @@ def _position_paths(bvh: BvhText, scale: float) -> dict[int, NDArray[np.float64]
 
 def _rotations(bvh: BvhText, up: str) -> NDArray[np.float64]:
     """Return exponential maps in the package's axes, shape (n_frames, n_joints, 3), without jumps."""
-    turning = _channel_columns(bvh, "rotation")
+    turning = channel_columns(bvh, "rotation")
     axes, columns = zip(*(turning.get(joint, ("", [])) for joint in range(len(bvh.joints))), strict=True)
     rotations = rotvec_from_channels(bvh.motion, columns, [to_package_order(order, up) for order in axes])
     rotations.flags.writeable = False  # else the walk keeps a copy
@@ -176,7 +176,7 @@ def _rotations(bvh: BvhText, up: str) -> NDArray[np.float64]:
 
 def _rotation_orders(bvh: BvhText, up: str) -> tuple[str, ...]:
     """Return the order of each joint's rotation channels, each axis once, the axes it lacks in the order ZXY."""
-    turning = _channel_columns(bvh, "rotation")
+    turning = channel_columns(bvh, "rotation")
     orders = [turning[joint][0] if joint in turning else "" for joint in range(len(bvh.joints))]
     return tuple(to_package_order("".join(dict.fromkeys(order + "ZXY")), up) for order in orders)
 

@@ -26,6 +26,7 @@ from eigenwalker.model.inference import (
 )
 from eigenwalker.model.intervals import score_interval
 from eigenwalker.model.linearization import FourierLinearizer
+from eigenwalker.model.restyling import restyle_walk
 from eigenwalker.model.scaling import BlockScaler
 from eigenwalker.model.statistics import AxisStatistics, axis_statistics
 from eigenwalker.model.traits import TraitRegressor
@@ -59,6 +60,7 @@ __all__ = [
     "make_eigenwalkers",
     "nested_loo",
     "permutation_test",
+    "restyle_walk",
     "score_interval",
     "score_walker",
     "settings_of",

@@ -2,22 +2,20 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 from sklearn.pipeline import Pipeline
 
-from eigenwalker._validation import check_choice
-from eigenwalker.model._guards import distances, warn_outside
 from eigenwalker.model.blocks import in_part
 from eigenwalker.model.eigenwalkers import split_model, trait_axes
 from eigenwalker.model.linearization import FourierLinearizer
+from eigenwalker.model.stepping import Start, check_traits, label_of, start_from, step_from, trait_name
 from eigenwalker.motion.limits import warn_joint_limits
 from eigenwalker.motion.walk import JointWalk, Walk
 
-__all__ = ["hybrid_walk", "walk_along_axis", "walk_at", "with_names"]
+__all__ = ["hybrid_walk", "walk_along_axis", "walk_at"]
 
 
 def walk_along_axis(
@@ -77,7 +75,7 @@ def walk_along_axis(
     >>> model.transform([light, heavy]).round(6).ravel()
     array([-2.,  2.])
     """
-    name = _trait_name(model, trait)
+    name = trait_name(model, trait)
     alphas = np.asarray(alphas, dtype=np.float64)
     if alphas.ndim != 1:
         raise ValueError(f"alphas must have shape (n_walks,), got {alphas.shape}")
@@ -114,7 +112,7 @@ def walk_at(
     """
     if not alphas:
         raise ValueError("alphas must have one trait or more, {'happy': 1.0}, got none")
-    names = [_trait_name(model, name) for name in alphas]
+    names = [trait_name(model, name) for name in alphas]
     values = np.array([list(alphas.values())], dtype=np.float64)
     return _walks(model, names, values, base, hold, part)[0]
 
@@ -159,25 +157,12 @@ def hybrid_walk(
     return replace(walk, name=f"structure of {structure.name}, dynamics of {dynamics.name}", **kept)
 
 
-class _Start(NamedTuple):
-    """Where a step begins: alphas, score and vector, shape (1, ...), and what the features do not hold."""
-
-    alphas: NDArray[np.float64]
-    score: NDArray[np.float64]
-    vector: NDArray[np.float64]
-    kept: dict[str, Any]
-
-
-def _start(model: Pipeline, base: Walk | JointWalk | None) -> _Start:
-    before, linearizer, reduction = split_model(model)
+def _start(model: Pipeline, base: Walk | JointWalk | None) -> Start:
+    before, _, reduction = split_model(model)
     if base is None:
         score = model[-1].mean_[np.newaxis]
-        return _Start(np.zeros((1, len(model[-1].trait_names_))), score, reduction.inverse_transform(score), {})
-    base = before.transform([base])[0] if before else base
-    vector = linearizer.transform([base])
-    kept = {name: getattr(base, name) for name in ("speed", "size") if name not in linearizer.extras}
-    score = reduction.transform(vector)
-    return _Start(np.asarray(model[-1].transform(score)), np.asarray(score), np.asarray(vector), kept)
+        return Start(np.zeros((1, len(model[-1].trait_names_))), score, reduction.inverse_transform(score), {})
+    return start_from(model, before.transform([base])[0] if before else base)
 
 
 def _walks(
@@ -188,70 +173,14 @@ def _walks(
     hold: Sequence[str],
     part: str | None,
 ) -> list[Walk | JointWalk]:
-    if isinstance(hold, str):
-        raise ValueError(f"hold must be a sequence of traits, ({hold!r},), got {hold!r}")
-    if not np.isfinite(alphas).all():
-        raise ValueError(f"alphas must be finite, got {', '.join(map(str, alphas[~np.isfinite(alphas)]))}")
-    hold = list(dict.fromkeys(_trait_name(model, held) for held in hold))
-    both = sorted(set(names) & set(hold))
-    if both:
-        raise ValueError(f"a trait is either set or held, got both for {', '.join(both)}")
+    held = check_traits(model, names, alphas, hold)
     if not len(alphas):
         return []
-    axes, specified = trait_axes(model), [*names, *hold]
-    _, linearizer, reduction = split_model(model)
     start = _start(model, base)
-    own = start.alphas[:, [axes.trait_names_.index(name) for name in specified]]
-    wanted = np.hstack((alphas, np.tile(own[:, len(names) :], (len(alphas), 1))))
-    scores = start.score + axes.step(wanted - own, specified)
-    # What the Eigenwalkers leave out of the base stays.
-    changes = reduction.inverse_transform(scores) - reduction.inverse_transform(start.score)
-    features = linearizer.get_feature_names_out()
-    vectors = start.vector + np.where(in_part(features, part), changes, 0.0)
-    labels = [_label(names, row) for row in alphas]
-    column = list(features).index("frequency")
-    _check_reachable(start.vector[0, column], vectors[:, column], own[0, : len(names)], alphas, labels)
-    # With a part alone these are not the scores stepped to.
-    reached = np.asarray(reduction.transform(with_names(vectors, features, reduction)))
-    warn_outside(distances(reached - axes.mean_, axes.covariance_), axes.distance_limit(), labels, stacklevel=4)
-    walks = linearizer.inverse_transform(vectors)
+    own = start.alphas[:, [trait_axes(model).trait_names_.index(name) for name in names]]
+    labels = [label_of(names, row) for row in alphas]
+    vectors = step_from(model, start, names, alphas - own, held, labels, part=part, stacklevel=5)
+    walks = split_model(model)[1].inverse_transform(vectors)
     walks = [replace(walk, name=label, **start.kept) for walk, label in zip(walks, labels, strict=True)]
     warn_joint_limits(walks, stacklevel=4)
     return walks
-
-
-def with_names(vectors: NDArray[np.float64], names: NDArray[np.object_], steps: Pipeline) -> ArrayLike:
-    """Return vectors as steps were fitted to them: with the names of features, or without."""
-    return pd.DataFrame(vectors, columns=names) if hasattr(steps[0], "feature_names_in_") else vectors
-
-
-def _check_reachable(
-    frequency: float,
-    frequencies: NDArray[np.float64],
-    own: NDArray[np.float64],
-    alphas: NDArray[np.float64],
-    labels: list[str],
-) -> None:
-    """Raise if a walk's frequency is not positive, and say which alphas, on the way to it, come near to 0."""
-    worst = int(np.argmin(frequencies))
-    if frequencies[worst] > 0:
-        return
-    reach = own + (alphas[worst] - own) * frequency / (frequency - frequencies[worst])  # frequency is linear in alpha
-    raise ValueError(
-        f"{labels[worst]}: no walk lies that far out, its frequency would be {frequencies[worst]:.3g} Hz; on the way "
-        f"there it becomes 0 at alpha = {', '.join(f'{alpha:.3g}' for alpha in reach)}, stay well before that"
-    )
-
-
-def _label(names: list[str], alphas: NDArray[np.float64]) -> str:
-    return ", ".join(f"{name} {alpha:+g}" if alpha else f"{name} 0" for name, alpha in zip(names, alphas, strict=True))
-
-
-def _trait_name(model: Pipeline, trait: str | int) -> str:
-    names = model[-1].trait_names_
-    if isinstance(trait, int) and not isinstance(trait, bool):
-        if not -len(names) <= trait < len(names):
-            raise ValueError(f"trait must be a position below {len(names)} or one of {names}, got {trait}")
-        return names[trait]
-    check_choice(trait, names, name="trait")
-    return str(trait)

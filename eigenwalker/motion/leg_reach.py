@@ -13,6 +13,7 @@ __all__ = ["Reach", "reach"]
 
 _NEARLY_STRAIGHT = 0.9999  # of the length of a stretched leg; at all of it a knee would lock and jump
 _MAX_ROLL = np.deg2rad(20.0)
+_ROUNDING = 1e-14  # metres; the knee of a straight leg would turn by the root of it
 
 
 class Reach(NamedTuple):
@@ -111,10 +112,9 @@ def _reach(rotations, pelvis, hip, thigh, shank, ankle, foot, pivot, held, swive
             distance = _length(away)
             wanted = min(max(distance, shortest), straight)
         missed[t] = abs(distance - wanted)
-        cosine = (wanted * wanted - upper * upper - lower * lower) / (2.0 * upper * lower)
-        bend = np.arccos(min(1.0, max(-1.0, cosine))) - flexion
-        bent[t] = bend
+        bent[t] = _flexion(upper, lower, wanted) - flexion
         axis[1] += 1e-3 * upper * lower  # flexion is about y, to the left; it counts where the leg is straight
+        bend = _bend(thigh, end, axis, wanted)
         length = _length(axis)
         for i in range(3):
             axis[i] *= bend / length
@@ -146,6 +146,26 @@ def _reach(rotations, pelvis, hip, thigh, shank, ankle, foot, pivot, held, swive
 
 
 @njit(cache=True, nogil=True)
+def _bend(thigh, shank, axis, wanted):
+    """Return the turn of the shank about an axis after which hip and ankle are so far apart.
+
+    For a unit axis a the product thigh . shank becomes A cos(turn) + B sin(turn) + C.
+    """
+    whole, cross = np.empty(3), np.empty(3)
+    for i in range(3):
+        whole[i] = thigh[i] + shank[i]
+    if abs(_length(whole) - wanted) < _ROUNDING:
+        return 0.0
+    _cross(axis, shank, cross)
+    square, length = _dot(axis, axis), _length(axis)
+    along = _dot(thigh, axis) * _dot(shank, axis) / square
+    cosine, sine = _dot(thigh, shank) - along, _dot(thigh, cross) / length
+    goal = 0.5 * (wanted * wanted - _dot(thigh, thigh) - _dot(shank, shank)) - along
+    share = min(1.0, max(-1.0, goal / np.hypot(cosine, sine)))
+    return np.arctan2(sine, cosine) + np.arccos(share)
+
+
+@njit(cache=True, nogil=True)
 def _roll(ankle, foot, hip, pivot, wanted, held, matrix, spare):
     """Roll a foot about its pivot and its own y axis, by 20 degrees at most, so that the ankle comes near enough."""
     axis, flat, across, cross = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
@@ -164,7 +184,7 @@ def _roll(ankle, foot, hip, pivot, wanted, held, matrix, spare):
     cosine = (near * near + far * far + gap - wanted * wanted) / (2.0 * near * far)
     goal = np.arccos(min(1.0, max(-1.0, cosine)))
     now = _angle(flat, across, cross)  # a turn by this about the axis, or against it, would point the lever at the hip
-    if cross[0] * axis[0] + cross[1] * axis[1] + cross[2] * axis[2] < 0.0:
+    if _dot(cross, axis) < 0.0:
         now, goal = -now, -goal
     turn = held * min(_MAX_ROLL, max(-_MAX_ROLL, now - goal))
     for i in range(3):
@@ -200,8 +220,20 @@ def _far(upper, lower, flexion):
 
 
 @njit(cache=True, nogil=True, inline="always")
+def _flexion(upper, lower, distance):
+    """Return the angle of a knee, zero where it is straight, from the distance between hip and ankle."""
+    cosine = (distance * distance - upper * upper - lower * lower) / (2.0 * upper * lower)
+    return np.arccos(min(1.0, max(-1.0, cosine)))
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _dot(a, b):
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@njit(cache=True, nogil=True, inline="always")
 def _length(vector):
-    return np.sqrt(vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2])
+    return np.sqrt(_dot(vector, vector))
 
 
 @njit(cache=True, nogil=True, inline="always")
@@ -215,7 +247,7 @@ def _cross(a, b, out):
 def _angle(a, b, cross):
     """Return the angle between two vectors, and write their cross product."""
     _cross(a, b, cross)
-    return np.arctan2(_length(cross), a[0] * b[0] + a[1] * b[1] + a[2] * b[2])
+    return np.arctan2(_length(cross), _dot(a, b))
 
 
 @njit(cache=True, nogil=True)

@@ -13,8 +13,11 @@ from eigenwalker.motion.support import Stance, Support, smooth_step
 __all__ = ["Hold", "Plan", "hold_feet", "plan_feet"]
 
 _BLEND = 0.06  # strides before and after a hand-over during which the body follows both feet
-_LOCK = 0.035  # strides before and after its stance during which a foot is held as well
-_FADE = 0.10  # strides in which a foot comes into its hold and out of it
+_TOUCH = 0.035  # strides before its stance in which a foot comes to rest
+_HELD = 0.095  # strides after its stance for which a foot stands on behind the other one, until its toes leave
+_LEAVE = 0.04  # strides after that in which it comes up to the speed of its swing
+_FADE = 0.14  # strides before and after all that in which it comes to where it is held, and back to where it was
+_SOFT = 0.006  # metres of depth over which the floor comes to hold a foot that comes or goes
 
 Array = NDArray[np.float64]
 
@@ -26,22 +29,24 @@ class Hold(NamedTuple):
     ----------
     amount : ndarray of shape (n_frames,)
         How much it is held, 0 to 1.
-    start, end : ndarray of shape (n_frames,)
-        When the nearest stance of the foot starts and ends.
+    still : ndarray of shape (n_frames,)
+        How much it must not slide, 0 to 1.
+    down : ndarray of shape (n_frames,)
+        How much it must be on the floor, 0 to 1.
     middle : ndarray of int of shape (n_frames,)
-        A frame of it in which the other foot swings.
+        A frame of its nearest stance in which the other foot swings.
     middles : ndarray of int of shape (n_stances,)
         The same of each stance of the foot.
-    lock : float
-        Frames for which it is held before and after that.
+    late : float
+        Frames after its stance for which it stands on.
     """
 
     amount: Array
-    start: Array
-    end: Array
+    still: Array
+    down: Array
     middle: NDArray[np.intp]
     middles: NDArray[np.intp]
-    lock: float
+    late: float
 
 
 class Plan(NamedTuple):
@@ -66,7 +71,7 @@ class Plan(NamedTuple):
 
 
 def hold_feet(stances: list[Stance], stride: float, n_frames: int) -> list[Hold]:
-    """Return when the left and the right foot are held: through each stance and a little beyond it.
+    """Return when the left and the right foot are held: through each stance, and on until the toes leave the floor.
 
     Parameters
     ----------
@@ -77,7 +82,7 @@ def hold_feet(stances: list[Stance], stride: float, n_frames: int) -> list[Hold]
     n_frames : int
         Of the walk.
     """
-    frames, lock = np.arange(n_frames, dtype=np.float64), _LOCK * stride
+    frames = np.arange(n_frames, dtype=np.float64)
     holds = []
     for foot in (0, 1):
         own = [stance for stance in stances if stance.foot == foot] or [Stance(foot, np.inf, np.inf)]
@@ -85,9 +90,12 @@ def hold_feet(stances: list[Stance], stride: float, n_frames: int) -> list[Hold]
         nearest = np.searchsorted((ends[:-1] + starts[1:]) / 2, frames)
         inside = np.clip([starts, ends], -0.25 * stride, n_frames - 1 + 0.25 * stride).mean(axis=0)
         middles = np.clip(np.rint(inside), 0, n_frames - 1).astype(np.intp)
-        start, end = starts[nearest], ends[nearest]
-        outside = np.maximum(start - lock - frames, frames - end - lock) / (_FADE * stride)
-        holds.append(Hold(1.0 - smooth_step(outside), start, end, middles[nearest], middles, lock))
+        early, late = (starts[nearest] - frames) / stride, (frames - ends[nearest]) / stride  # strides out of stance
+        touch = smooth_step(1 - early / _TOUCH)
+        amount = smooth_step(1 - np.maximum(early, late - _HELD) / _FADE)
+        still = np.minimum(touch, smooth_step(1 - (late - _HELD) / _LEAVE))
+        down = np.minimum(touch, smooth_step(1 - late / _HELD))
+        holds.append(Hold(amount, still, down, middles[nearest], middles, _HELD * stride))
     return holds
 
 
@@ -142,16 +150,19 @@ def _share_of_left(stances: list[Stance], stride: float, n_frames: int) -> Array
 def _lack(hold: Hold, slide: Array, above: Array) -> Array:
     """Return what a foot lacks, shape (n_frames, 3), from what it slides (n_frames, 2) and its height (n_frames,).
 
-    Inside of its stance, away from the hand-overs, it does not slide at all: there nothing is lacking. A foot that is
-    still, or already, in the air is left there.
+    Inside of its stance, away from the hand-overs, it does not slide at all: there nothing is lacking.
     """
-    frames = np.arange(len(slide), dtype=np.float64)
-    times = np.clip(frames, np.maximum(hold.start - hold.lock, 0.0), np.minimum(hold.end + hold.lock, len(slide) - 1.0))
-    slid = np.column_stack([np.interp(times, frames, slide[:, axis]) for axis in (0, 1)])
-    inward = np.minimum(frames - hold.start, hold.end - frames)
-    down = smooth_step((inward + hold.lock) / (2 * hold.lock))
-    upward = np.maximum(0.0, -above) - down * np.maximum(0.0, above)
-    return np.column_stack((hold.amount[:, np.newaxis] * (slide[hold.middle] - slid), upward))
+    kept = np.zeros_like(slide)  # of the slide, what must be undone
+    np.cumsum((hold.still[1:] + hold.still[:-1])[:, np.newaxis] / 2 * np.diff(slide, axis=0), axis=0, out=kept[1:])
+    upward = (1.0 - hold.down) * _out_of_floor(-above) - hold.down * above
+    return np.column_stack((hold.amount[:, np.newaxis] * (kept[hold.middle] - kept), upward))
+
+
+def _out_of_floor(depth: Array) -> Array:
+    """Return how far a foot at some depth under the floor, shape (n_frames,), rises: to no more than 3 mm under it."""
+    x = np.clip(depth / _SOFT, 0.0, 1.0)
+    integral = x**4 * (2.5 - 3.0 * x + x * x)  # of the smooth step
+    return _SOFT * integral + np.maximum(depth - _SOFT, 0.0)
 
 
 def _anchors(stances: list[Stance], hold: Hold, ahead: Array) -> Array:
@@ -159,8 +170,8 @@ def _anchors(stances: list[Stance], hold: Hold, ahead: Array) -> Array:
     if not stances:
         return ahead
     frames, places = np.arange(len(ahead), dtype=np.float64), ahead[hold.middles]
-    leaves = np.array([stance.end for stance in stances[:-1]]) + hold.lock
-    comes = np.array([stance.start for stance in stances[1:]]) - hold.lock
+    leaves = np.array([stance.end for stance in stances[:-1]]) + hold.late
+    comes = np.array([stance.start for stance in stances[1:]])
     if not leaves.size:
         return np.full(len(ahead), places[0])
     swing = np.maximum(np.searchsorted(leaves, frames) - 1, 0)  # the last one that has begun

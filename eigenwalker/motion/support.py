@@ -10,8 +10,8 @@ __all__ = ["Stance", "Support", "find_stances", "find_support", "smooth_step", "
 
 _PROMINENCE = 0.25  # of the range of left minus right ankle, by which a step stands out from noise
 _STILL = 0.05  # metres of that range below which nobody walks
-_SHARP = 0.0002  # metres of height over which the floor passes from one point of the sole to another
-_SOFT = 0.003  # the same for the height of the body, which would jerk at once
+_SHARP = 0.00002  # metres of height over which the floor passes from one point of the sole to another
+_SOFT = 0.006  # the same for the height of the body, which would jerk at once
 
 
 class Stance(NamedTuple):
@@ -50,7 +50,9 @@ def find_support(soles: NDArray[np.float64]) -> Support:
     r"""Return where each foot would carry the root if it stood.
 
     In a standing foot the sole rolls from heel to toes. With the heights z of its points, p, each of them holds the
-    share :math:`w_p \propto e^{-z_p / s}`, s = 0.2 mm, of the floor; the root goes by minus the mean movement.
+    share :math:`w_p \propto e^{-z_p / s}` of the floor. The root goes by minus their mean movement, s = 0.02 mm, and
+    is as high as minus their mean height, s = 6 mm: a flat foot lies on the floor, and of one that is nearly flat the
+    lowest point is up to 3 mm below it.
 
     Parameters
     ----------
@@ -60,15 +62,14 @@ def find_support(soles: NDArray[np.float64]) -> Support:
     heights = soles[..., 2]
     shares = sole_shares((heights[1:] + heights[:-1]) / 2)
     advance = -(shares[..., np.newaxis] * np.diff(soles[..., :2], axis=0)).sum(axis=2)
-    lowest = heights.min(axis=2, keepdims=True)
-    height = _SOFT * np.log(np.exp((lowest - heights) / _SOFT).sum(axis=2)) - lowest[..., 0]
+    height = -(sole_shares(heights, _SOFT) * heights).sum(axis=2)  # of points about as low, their mean
     return Support(advance, height)
 
 
-def sole_shares(heights: NDArray[np.float64]) -> NDArray[np.float64]:
+def sole_shares(heights: NDArray[np.float64], scale: float = _SHARP) -> NDArray[np.float64]:
     """Return how much of the floor each point of a sole holds, from their heights, shape (..., n_points)."""
     # Counted from the lowest point, so that no exponential overflows.
-    shares = np.exp((heights.min(axis=-1, keepdims=True) - heights) / _SHARP)
+    shares = np.exp((heights.min(axis=-1, keepdims=True) - heights) / scale)
     return shares / shares.sum(axis=-1, keepdims=True)
 
 
@@ -89,7 +90,9 @@ def find_stances(difference: NDArray[np.float64]) -> tuple[list[Stance], float]:
         return [Stance(0, -np.inf, np.inf)], float(len(difference))
     over: list[tuple[float, int]] = []
     for foot, sign in ((0, 1.0), (1, -1.0)):  # the foot ahead takes over
-        peaks = find_peaks(sign * difference, prominence=_PROMINENCE * reach)[0]
+        ahead = np.pad(sign * difference, 1, constant_values=-np.inf)  # at its ends, one side is enough to stand out
+        peaks = find_peaks(ahead, prominence=_PROMINENCE * reach)[0] - 1
+        peaks = peaks[(peaks > 0) & (peaks < len(difference) - 1)]
         before, top, after = difference[peaks - 1], difference[peaks], difference[peaks + 1]
         bend = before - 2 * top + after
         shift = np.where(bend == 0, 0.0, 0.5 * (before - after) / np.where(bend == 0, 1.0, bend))

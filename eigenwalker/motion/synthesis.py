@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from sklearn.utils import check_random_state
 
 from eigenwalker._validation import check_finite, check_frame_rate, check_walks
-from eigenwalker.motion.fourier import evaluate_harmonics, fit_harmonics, reference_phase, shift_phase
+from eigenwalker.motion.fourier import check_sampling, evaluate_harmonics, fit_harmonics, reference_phase, shift_phase
 from eigenwalker.motion.ground import MAX_KNEE, plant_on_way
 from eigenwalker.motion.legs import find_legs
 from eigenwalker.motion.phase import find_stride, phase_weights
@@ -147,6 +147,7 @@ def _make(walk: JointWalk, order: _Order, seed: int) -> JointWalk:
     check_finite(channels, walk.channel_names, walk=walk.name)
     frequency = find_stride(channels, walk.frame_rate, weights, known=walk.frequency, name=walk.name)
     coefficients = fit_harmonics(channels, walk.frame_rate, frequency, order.n_harmonics)
+    check_sampling(walk.n_frames, order.frame_rate, frequency, order.n_harmonics)
     stride = order.frame_rate / frequency
     n_frames = _count_frames(order, frequency)
     if order.loop:

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from eigenwalker.motion.legs import LegPose
 from eigenwalker.motion.planting import Hold
 
-__all__ = ["turn_left", "untwist_feet"]
+__all__ = ["lost_yaw", "turn_feet", "turn_left", "untwist_feet"]
 
 
 def untwist_feet(pose: LegPose, holds: list[Hold]) -> LegPose:
@@ -21,8 +21,30 @@ def untwist_feet(pose: LegPose, holds: list[Hold]) -> LegPose:
     holds : list of Hold
         Of the left and the right foot.
     """
+    return turn_feet(pose, lost_yaw(pose, holds))
+
+
+def lost_yaw(pose: LegPose, holds: list[Hold]) -> NDArray[np.float64]:
+    """Return by how much each foot is to be turned to the left so that it keeps its direction while it stands.
+
+    Parameters
+    ----------
+    pose : LegPose
+        Where the legs are.
+    holds : list of Hold
+        Of the left and the right foot.
+
+    Returns
+    -------
+    ndarray of shape (n_frames, 2)
+        In radians.
+    """
     yaw = np.unwrap(np.arctan2(pose.feet[:, :, 1, 0], pose.feet[:, :, 0, 0]), axis=0)
-    angles = np.column_stack([hold.amount * (yaw[hold.middle, foot] - yaw[:, foot]) for foot, hold in enumerate(holds)])
+    return np.column_stack([hold.amount * (yaw[hold.middle, foot] - yaw[:, foot]) for foot, hold in enumerate(holds)])
+
+
+def turn_feet(pose: LegPose, angles: NDArray[np.float64]) -> LegPose:
+    """Return where legs are when their feet are turned to the left at the ankles, by angles (n_frames, 2)."""
     ankles = pose.ankles[:, :, np.newaxis]  # beside the points of the sole
     return pose._replace(
         feet=turn_left(pose.feet, angles, axis=-2),
