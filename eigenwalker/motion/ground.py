@@ -190,6 +190,7 @@ def _place(
         toes = legs.sole_joints[foot, 2]
         if toes != ankle:  # they stay as they lie when the foot rolls over them
             rotations[:, legs.joints[toes]] = rotvecs_of_matrices(found.foot.transpose(0, 2, 1) @ goal.toes)
+    rotations.flags.writeable = False  # else the walk keeps a copy
     return replace(walk, rotations=rotations, root=root)
 
 

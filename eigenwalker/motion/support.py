@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 from scipy.signal import find_peaks
 
@@ -59,18 +60,56 @@ def find_support(soles: NDArray[np.float64]) -> Support:
     soles : ndarray of shape (n_frames, 2, 3, 3)
         Heel, ball and tip of both feet against the root, in metres, along the room.
     """
-    heights = soles[..., 2]
-    shares = sole_shares((heights[1:] + heights[:-1]) / 2)
-    advance = -(shares[..., np.newaxis] * np.diff(soles[..., :2], axis=0)).sum(axis=2)
-    height = -(sole_shares(heights, _SOFT) * heights).sum(axis=2)  # of points about as low, their mean
-    return Support(advance, height)
+    return Support(*_support(np.ascontiguousarray(soles, dtype=np.float64), _SHARP, _SOFT))
+
+
+@njit(cache=True, nogil=True)
+def _support(soles, sharp, soft):
+    n_frames, n_feet, n_points, _ = soles.shape
+    advance, height = np.zeros((max(n_frames - 1, 0), n_feet, 2)), np.empty((n_frames, n_feet))
+    heights = np.empty(n_points)
+    for t in range(n_frames):
+        for foot in range(n_feet):
+            for point in range(n_points):
+                heights[point] = soles[t, foot, point, 2]
+            height[t, foot] = 0.0
+            for point, share in enumerate(_shares(heights, soft)):  # of points about as low, their mean
+                height[t, foot] -= share * heights[point]
+            if t == n_frames - 1:
+                continue
+            for point in range(n_points):
+                heights[point] = 0.5 * (heights[point] + soles[t + 1, foot, point, 2])
+            for point, share in enumerate(_shares(heights, sharp)):
+                for axis in range(2):
+                    advance[t, foot, axis] -= share * (soles[t + 1, foot, point, axis] - soles[t, foot, point, axis])
+    return advance, height
+
+
+@njit(cache=True, nogil=True)
+def _shares(heights, scale):
+    """Count from the lowest point, so that no exponential overflows."""
+    lowest, total = heights.min(), 0.0
+    shares = np.empty(len(heights))
+    for point in range(len(heights)):
+        shares[point] = np.exp((lowest - heights[point]) / scale)
+        total += shares[point]
+    for point in range(len(heights)):
+        shares[point] /= total
+    return shares
 
 
 def sole_shares(heights: NDArray[np.float64], scale: float = _SHARP) -> NDArray[np.float64]:
     """Return how much of the floor each point of a sole holds, from their heights, shape (..., n_points)."""
-    # Counted from the lowest point, so that no exponential overflows.
-    shares = np.exp((heights.min(axis=-1, keepdims=True) - heights) / scale)
-    return shares / shares.sum(axis=-1, keepdims=True)
+    flat = np.ascontiguousarray(heights, dtype=np.float64).reshape(-1, heights.shape[-1])
+    return _all_shares(flat, scale).reshape(heights.shape)
+
+
+@njit(cache=True, nogil=True)
+def _all_shares(heights, scale):
+    out = np.empty(heights.shape)
+    for row in range(len(heights)):
+        out[row] = _shares(heights[row], scale)
+    return out
 
 
 def find_stances(difference: NDArray[np.float64]) -> tuple[list[Stance], float]:
@@ -110,5 +149,14 @@ def find_stances(difference: NDArray[np.float64]) -> tuple[list[Stance], float]:
 
 def smooth_step(values: NDArray[np.floating]) -> NDArray[np.float64]:
     """Return a rise from 0, at and below 0, to 1, at and above 1, with two smooth derivatives."""
-    x = np.clip(values, 0.0, 1.0)
-    return x * x * x * (10.0 - 15.0 * x + 6.0 * x * x)
+    flat = np.ascontiguousarray(values, dtype=np.float64)
+    return _smooth_step(flat.ravel()).reshape(flat.shape)
+
+
+@njit(cache=True, nogil=True)
+def _smooth_step(values):
+    out = np.empty(len(values))
+    for place in range(len(values)):
+        x = min(1.0, max(0.0, values[place]))
+        out[place] = x * x * x * (10.0 - 15.0 * x + 6.0 * x * x)
+    return out

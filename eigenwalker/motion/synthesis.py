@@ -73,7 +73,7 @@ def synthesize(
     phase_reference : "auto" or mapping of str to float, default "auto"
         See `phase_weights`.
     n_jobs : int, default None
-        Number of threads. The result does not depend on it.
+        Number of processes; None is one. The result does not depend on it.
 
     Returns
     -------
@@ -119,7 +119,7 @@ def synthesize(
     )
     seeds = check_random_state(random_state).randint(2**31 - 1, size=len(listed))
     jobs = (delayed(_make)(walk, order, int(seed)) for walk, seed in zip(listed, seeds, strict=True))
-    made = list(Parallel(n_jobs=n_jobs, prefer="threads")(jobs))
+    made = list(Parallel(n_jobs=n_jobs)(jobs))
     return made if several else made[0]
 
 

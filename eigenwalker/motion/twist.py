@@ -1,6 +1,7 @@
 """Feet that do not twist on the floor while they stand."""
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from eigenwalker.motion.legs import LegPose
@@ -58,8 +59,8 @@ def turn_left(values: NDArray[np.float64], angles: NDArray[np.float64], *, axis:
 
     Parameters
     ----------
-    values : ndarray of shape (n_frames, ...)
-        Points, or matrices whose columns are turned.
+    values : ndarray of shape (n_frames, ..., 3)
+        Points, or matrices (n_frames, ..., 3, 3), one an angle, whose columns are turned.
     angles : ndarray of shape (n_frames,) or (n_frames, 2)
         In radians; one a frame, or one for each leg.
     axis : int, default -1
@@ -67,10 +68,26 @@ def turn_left(values: NDArray[np.float64], angles: NDArray[np.float64], *, axis:
     """
     if not angles.any():
         return values
-    parts = np.moveaxis(values, axis, 0)
-    shape = (*angles.shape, *[1] * (parts.ndim - 1 - angles.ndim))
-    cosine, sine = np.cos(angles).reshape(shape), np.sin(angles).reshape(shape)
-    turned = np.empty(values.shape)
-    x, y, z = np.moveaxis(turned, axis, 0)
-    x[...], y[...], z[...] = cosine * parts[0] - sine * parts[1], sine * parts[0] + cosine * parts[1], parts[2]
-    return turned
+    legs = angles.size // len(angles)
+    whole = np.ascontiguousarray(values, dtype=np.float64).reshape(len(angles) * legs, -1, 3)  # rows of three numbers
+    return _turn_left(whole, np.ascontiguousarray(angles, dtype=np.float64).ravel(), axis == -2).reshape(values.shape)
+
+
+@njit(cache=True, nogil=True)
+def _turn_left(values, angles, columns):
+    """Turn rows of three numbers, or the columns of three rows, by an angle for each group of rows."""
+    out = np.empty(values.shape)
+    n_rows = values.shape[1]
+    for i in range(len(values)):
+        cosine, sine = np.cos(angles[i]), np.sin(angles[i])
+        if columns:
+            for j in range(3):
+                out[i, 0, j] = cosine * values[i, 0, j] - sine * values[i, 1, j]
+                out[i, 1, j] = sine * values[i, 0, j] + cosine * values[i, 1, j]
+                out[i, 2, j] = values[i, 2, j]
+        else:
+            for row in range(n_rows):
+                out[i, row, 0] = cosine * values[i, row, 0] - sine * values[i, row, 1]
+                out[i, row, 1] = sine * values[i, row, 0] + cosine * values[i, row, 1]
+                out[i, row, 2] = values[i, row, 2]
+    return out

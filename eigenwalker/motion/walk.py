@@ -318,6 +318,7 @@ class JointWalk:
         same = len(matrix) == self.n_frames
         rotations = np.array(self.rotations) if same else np.repeat(self.rotations[:1], len(matrix), axis=0)
         rotations[:, self._columns()] = turning
+        rotations.flags.writeable = False  # else the walk keeps a copy
         return replace(self, rotations=rotations, **changes)
 
     def joint_positions(self) -> NDArray[np.float64]:

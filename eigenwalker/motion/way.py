@@ -23,10 +23,13 @@ class Way(NamedTuple):
         Takes lengths, shape (n,), in metres, and returns places, shape (n, 2).
     direction : callable
         Takes lengths and returns where the way leads there, shape (n,), in radians to the left of x.
+    is_x_axis : bool, default False
+        Whether the way is the x axis itself, on which nothing is bent.
     """
 
     place: Callable[[NDArray[np.float64]], NDArray[np.float64]]
     direction: Callable[[NDArray[np.float64]], NDArray[np.float64]]
+    is_x_axis: bool = False
 
     def bend(
         self, points: NDArray[np.float64], along: NDArray[np.float64]
@@ -40,7 +43,10 @@ class Way(NamedTuple):
         along : ndarray of shape (n_frames,)
             At which length of the way each point belongs: all points of a rigid thing at one length stay rigid.
         """
-        places, angles = self.place(along), self.direction(along)
+        angles = self.direction(along)
+        if self.is_x_axis:
+            return points.copy(), angles
+        places = self.place(along)
         x, y, cosine, sine = points[:, 0] - along, points[:, 1], np.cos(angles), np.sin(angles)
         bent = places + np.column_stack((cosine * x - sine * y, sine * x + cosine * y))
         return np.column_stack((bent, points[:, 2])), angles
@@ -83,7 +89,7 @@ def _arc(heading: float, curvature: float) -> Way:
         chord = lengths * np.sinc(half / np.pi)  # sinc is sin(pi x) / (pi x), 1 for a straight way
         return chord[:, np.newaxis] * np.column_stack((np.cos(heading + half), np.sin(heading + half)))
 
-    return Way(place, lambda lengths: heading + curvature * lengths)
+    return Way(place, lambda lengths: heading + curvature * lengths, heading == curvature == 0)
 
 
 def _through(points: NDArray[np.float64]) -> Way:
