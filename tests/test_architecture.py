@@ -17,11 +17,12 @@ ALLOWED = {
     "io": {"_validation", "_collect", "motion"},
     "datasets": {"_validation", "_collect", "motion", "io"},
     "model": {"_validation", "_collect", "motion"},
-    "persistence": {"_validation", "_collect", "motion", "io", "datasets", "model"},
-    "display": {"_validation", "_collect", "motion", "io", "datasets", "model", "persistence"},
-    "cli": {"_validation", "_collect", "motion", "io", "datasets", "model", "persistence", "display"},
+    "hsmm": {"_validation", "_collect", "motion"},
+    "persistence": {"_validation", "_collect", "motion", "io", "datasets", "model", "hsmm"},
+    "display": {"_validation", "_collect", "motion", "io", "datasets", "model", "hsmm", "persistence"},
+    "cli": {"_validation", "_collect", "motion", "io", "datasets", "model", "hsmm", "persistence", "display"},
     "__main__": {"cli"},
-    "__init__": {"_validation", "motion", "io", "datasets", "model", "persistence"},
+    "__init__": {"_validation", "motion", "io", "datasets", "model", "hsmm", "persistence"},
 }
 
 

@@ -1,0 +1,138 @@
+"""Generating the channels of a gait model: ``python -m benchmarks.hsmm_generation [--short]``.
+
+54 channels from means and variances of static, delta and second delta, for 10 s and 100 s of 60 frames/s: this project
+beside scipy's banded solver and nnmnkwii's, a channel after the other. One core for all of them. nnmnkwii takes no
+dynamics from the first and last two frames; here it is asked for with infinite variances.
+"""
+
+import argparse
+import tracemalloc
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import solveh_banded
+from threadpoolctl import threadpool_limits
+
+from benchmarks import _measure
+from eigenwalker.hsmm.features import WINDOWS
+from eigenwalker.hsmm.generation import generate_trajectory, normal_equations
+from eigenwalker.hsmm.global_variance import GlobalVariance, generate_with_variance
+
+_N_CHANNELS = 54
+_OURS, _EXACT = "eigenwalker", "eigenwalker, global variance"
+_SOLVEH, _HALVES = "scipy solveh_banded", "scipy solveh_banded, even and odd frames apart"
+_NNMNKWII = "nnmnkwii mlpg"
+
+
+def main() -> None:
+    """Print a table for each length, peak memory, and the targets."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--short", action="store_true", help="5 rounds instead of 25")
+    n_rounds = 5 if parser.parse_args().short else 25
+    with threadpool_limits(1):
+        print(_measure.describe_machine(("numpy", "scipy", "numba", "nnmnkwii")))
+        print("One core for every row: all pools limited to 1 thread by threadpoolctl.")
+        times = {n_frames: _compare(n_frames, n_rounds) for n_frames in (600, 6000)}
+    short, long = times[600], times[6000]
+    cliff = float(np.median(long[_OURS]) / np.median(short[_OURS])) / 10
+    faster = {name: _measure.ratio(short, name, _OURS) if name in short else None for name in (_SOLVEH, _NNMNKWII)}
+    _measure.print_targets(
+        [
+            ("at least 4 times as fast as solveh_banded", f"{faster[_SOLVEH]:.1f}", faster[_SOLVEH] >= 4),
+            (
+                "at least 5 times as fast as nnmnkwii",
+                "not installed" if faster[_NNMNKWII] is None else f"{faster[_NNMNKWII]:.1f}",
+                None if faster[_NNMNKWII] is None else faster[_NNMNKWII] >= 5,
+            ),
+            ("no cliff: a frame of 6,000 at most twice one of 600", f"{cliff:.2f}", cliff <= 2),
+        ]
+    )
+
+
+def make_states(n_frames: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return means and variances of states of 6 frames, shape (n_frames, 162), without dynamics at both ends."""
+    random = np.random.default_rng(0)
+    scales = np.repeat([0.1, 0.02, 0.005], _N_CHANNELS)  # radians, and radians a frame and a frame squared
+    means = np.repeat(random.normal(size=(n_frames // 6, len(scales))) * scales, 6, axis=0)
+    variances = np.repeat(random.uniform(0.1, 0.5, (n_frames // 6, len(scales))) * scales**2, 6, axis=0)
+    variances[:2, _N_CHANNELS:] = variances[-2:, _N_CHANNELS:] = np.inf
+    return means, variances
+
+
+def generate_by_scipy(means: NDArray[np.float64], variances: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the same from scipy's solver for the band of 4 that W'PW has; the system is set up as ours is."""
+    bands, right, step = normal_equations(means, variances)
+    trajectory = np.empty_like(right)
+    lower = np.zeros((step * (bands.shape[1] - 1) + 1, len(right)))
+    for channel in range(right.shape[1]):
+        for band in range(bands.shape[1]):  # [k, j] is A[j + k, j]
+            lower[band * step, : len(right) - band * step] = bands[band * step :, band, channel]
+        trajectory[:, channel] = solveh_banded(lower, right[:, channel], lower=True, check_finite=False)
+    return trajectory
+
+
+def generate_by_halves(means: NDArray[np.float64], variances: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the same from scipy's solver with two systems of half the size and half the band, as ours uses it."""
+    bands, right, step = normal_equations(means, variances)
+    trajectory = np.empty_like(right)
+    for start in range(step):
+        part, values = bands[start::step], right[start::step]
+        lower = np.zeros((bands.shape[1], len(values)))
+        for channel in range(right.shape[1]):
+            for band in range(bands.shape[1]):
+                lower[band, : len(values) - band] = part[band:, band, channel]
+            trajectory[start::step, channel] = solveh_banded(lower, values[:, channel], lower=True, check_finite=False)
+    return trajectory
+
+
+def make_nnmnkwii() -> Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]:
+    """Return generation by nnmnkwii, which is imported here."""
+    from nnmnkwii.paramgen import mlpg
+
+    windows = [(len(window) // 2, len(window) // 2, np.array(window)) for window in WINDOWS]
+    return lambda means, variances: mlpg(means, variances, windows)
+
+
+def _compare(n_frames: int, n_rounds: int) -> dict[str, NDArray[np.float64]]:
+    """Print times, errors and peak memory for one length, and return the times."""
+    means, variances = make_states(n_frames)
+    functions = {_OURS: generate_trajectory, _SOLVEH: generate_by_scipy, _HALVES: generate_by_halves}
+    missing = []
+    try:
+        functions[_NNMNKWII] = make_nnmnkwii()
+    except Exception as error:  # whatever a peer's import raises is the reason its row gives
+        missing.append([_NNMNKWII, f"did not import: {error}", "", "", ""])
+    plain = generate_by_scipy(means, variances)
+    target = GlobalVariance(1.3 * plain.var(axis=0), (0.2 * plain.var(axis=0)) ** 2)
+    functions[_EXACT] = lambda means, variances: generate_with_variance(means, variances, target)
+
+    def portion(function: Callable) -> Callable[[int], float]:
+        return lambda turn: len(function(means, variances)) / n_frames
+
+    seconds = _measure.interleaved({name: portion(function) for name, function in functions.items()}, n_rounds)
+    rows = []
+    for name, function in functions.items():
+        error = "" if name == _EXACT else f"{np.abs(function(means, variances) - plain).max():.1e}"
+        median, peak = np.median(seconds[name]), _peak_bytes(function, means, variances) / means.nbytes
+        ratio = _measure.ratio(seconds, name, _OURS)
+        rows.append([name, f"{median * 1e3:.2f}", f"{ratio:.1f}", error, f"{peak:.1f}"])
+    _measure.print_table(
+        f"{n_frames} frames, {_N_CHANNELS} channels, {means.nbytes / 1e6:.1f} MB of means; median of {n_rounds} rounds",
+        ["", "ms", "time / ours", "most off solveh_banded, rad", "peak memory / means"],
+        rows + missing,
+    )
+    return seconds
+
+
+def _peak_bytes(function: Callable, *arguments: NDArray[np.float64]) -> int:
+    """Return the largest memory held during a call beside the arguments, scratch arrays of compiled code included."""
+    tracemalloc.start()
+    function(*arguments)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    return peak
+
+
+if __name__ == "__main__":
+    main()
