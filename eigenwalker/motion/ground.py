@@ -128,10 +128,10 @@ def plant_on_way(
     top = np.asarray(walk.skeleton.offsets[walk.skeleton.above(walk.skeleton.root)], dtype=np.float64).sum(axis=0)
     pose = pose_legs(walk.rotations, np.tile(-top, (walk.n_frames, 1)), legs)  # with the root at the origin
     stances, stride = find_stances(pose.ankles[:, 0, 0] - pose.ankles[:, 1, 0])
-    holds = hold_feet(stances, stride, walk.n_frames)
+    holds = hold_feet(stances, stride, walk.n_frames) if hold else []
     pose = untwist_feet(pose, holds) if hold else pose
     plan = plan_feet(stances, stride, holds, find_support(pose.soles), pose.soles[..., 2].min(axis=2))
-    amounts = [held.amount for held in holds] if hold else []
+    amounts = [held.amount for held in holds]
     frames = slice(0, walk.n_frames) if keep is None else keep
     start = plan.root[frames.start] * [1.0, 1.0, 0.0]
     plan = plan._replace(

@@ -86,13 +86,14 @@ def reach(
     return Reach(*compiled(*(np.ascontiguousarray(array, dtype=np.float64) for array in arrays), max_knee))
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _reach(rotations, pelvis, hip, thigh, shank, ankle, foot, pivot, held, swivel, max_knee):
     n_frames = len(rotations)
     out, feet, bent, missed = np.empty((n_frames, 3, 3)), foot.copy(), np.empty(n_frames), np.empty(n_frames)
     upper, lower = _length(thigh), _length(shank)
     longest = _NEARLY_STRAIGHT * (upper + lower)
-    knee, turn, spare, frame = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
+    knee, bowed, frame = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
+    turn, spare = np.empty((3, 3)), np.empty((3, 3))
     axis, end, away, target, whole = np.empty(3), np.empty(3), np.empty(3), np.empty(3), np.empty(3)
     for t in range(n_frames):
         rotation_matrix(rotations[t, 1], knee)
@@ -119,33 +120,31 @@ def _reach(rotations, pelvis, hip, thigh, shank, ankle, foot, pivot, held, swive
         for i in range(3):
             axis[i] *= bend / length
         rotation_matrix(axis, turn)
-        _multiply(turn, knee, spare)
-        knee[:] = spare
-        _move(knee, shank, end)
+        _multiply(turn, knee, bowed)
+        _move(bowed, shank, end)
         for i in range(3):
             end[i] += thigh[i]
         rotation_matrix(rotations[t, 0], turn)
-        _multiply(pelvis[t], turn, frame)
-        _move(frame, end, whole)
+        _multiply(pelvis[t], turn, spare)
+        _move(spare, end, whole)
         _shortest_turn(whole, away, axis, turn)
-        _multiply(turn, frame, spare)
-        frame[:] = spare
+        _multiply(turn, spare, frame)
         if swivel[t] != 0.0:
             for i in range(3):  # about the line from the ankle up to the hip
                 axis[i] = -swivel[t] * away[i] / distance
             rotation_matrix(axis, turn)
             _multiply(turn, frame, spare)
-            frame[:] = spare
-        _multiply(pelvis[t].T, frame, spare)
+            _copy(spare, frame)
+        _multiply_back(pelvis[t], frame, spare)
         rotvec_of_matrix(spare, out[t, 0])
-        rotvec_of_matrix(knee, out[t, 1])
-        _multiply(frame, knee, spare)
-        _multiply(spare.T, feet[t], turn)
+        rotvec_of_matrix(bowed, out[t, 1])
+        _multiply(frame, bowed, spare)
+        _multiply_back(spare, feet[t], turn)
         rotvec_of_matrix(turn, out[t, 2])
     return out, feet, bent, missed
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _bend(thigh, shank, axis, wanted):
     """Return the turn of the shank about an axis after which hip and ankle are so far apart.
 
@@ -165,7 +164,7 @@ def _bend(thigh, shank, axis, wanted):
     return np.arctan2(sine, cosine) + np.arccos(share)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _roll(ankle, foot, hip, pivot, wanted, held, matrix, spare):
     """Roll a foot about its pivot and its own y axis, by 20 degrees at most, so that the ankle comes near enough."""
     axis, flat, across, cross = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
@@ -213,6 +212,21 @@ def _multiply(a, b, out):
 
 
 @njit(cache=True, nogil=True, inline="always")
+def _multiply_back(a, b, out):
+    """Write the product of the transpose of one matrix and another."""
+    for i in range(3):
+        for j in range(3):
+            out[i, j] = a[0, i] * b[0, j] + a[1, i] * b[1, j] + a[2, i] * b[2, j]
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _copy(matrix, out):
+    for i in range(3):
+        for j in range(3):
+            out[i, j] = matrix[i, j]
+
+
+@njit(cache=True, nogil=True, inline="always")
 def _far(upper, lower, flexion):
     """Return the distance from hip to ankle with a knee that is bent so much, in radians."""
     cosine = np.cos(min(np.pi, max(0.0, flexion)))
@@ -250,7 +264,7 @@ def _angle(a, b, cross):
     return np.arctan2(_length(cross), _dot(a, b))
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _shortest_turn(start, end, axis, out):
     """Write the rotation matrix that turns one direction into another, which is not its opposite, into `out`."""
     angle = _angle(start, end, axis)

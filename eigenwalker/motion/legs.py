@@ -1,9 +1,10 @@
 """The legs of a skeleton apart from the rest of it: pelvis, hips, knees, ankles, soles."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from eigenwalker.motion.posture import SIDES
@@ -119,12 +120,36 @@ def pose_legs(rotations: NDArray[np.floating], root: NDArray[np.floating], legs:
     legs : Legs
         Of the skeleton.
     """
-    local = np.repeat(legs.offsets[np.newaxis], len(rotations), axis=0)
+    local = np.tile(legs.offsets, (len(rotations), 1, 1))
     local[:, legs.root] = root
     positions, frames = forward_kinematics(rotations[:, legs.joints], local, legs.parents)
     hip, _, ankle = legs.chain.T
-    feet, toes = frames[:, ankle], frames[:, legs.sole_joints[:, 2]]
-    soles = np.empty((len(rotations), 2, 3, 3))
-    for point, (joint, own) in enumerate(zip(legs.sole_joints.T, (feet, toes, toes), strict=True)):
-        soles[:, :, point] = positions[:, joint] + np.einsum("tfij,fj->tfi", own, legs.sole_offsets[:, point])
-    return LegPose(positions[:, hip], positions[:, ankle], frames[:, legs.parents[hip]], feet, toes, soles)
+    toes = legs.sole_joints[:, 2]
+    places = (hip, ankle, legs.parents[hip], toes, legs.sole_joints, legs.sole_offsets)
+    compiled: Callable[..., tuple] = _pick
+    return LegPose(*compiled(positions, frames, *(np.ascontiguousarray(part) for part in places)))
+
+
+@njit(cache=True, nogil=True)
+def _pick(positions, frames, hip, ankle, pelvis, toes, sole_joints, sole_offsets):
+    """Return the parts of a `LegPose` from positions and frames of all joints of the legs."""
+    n_frames, n_feet, n_points = len(positions), *sole_joints.shape
+    hips, ankles = np.empty((n_frames, n_feet, 3)), np.empty((n_frames, n_feet, 3))
+    axes = np.empty((3, n_frames, n_feet, 3, 3))
+    soles = np.empty((n_frames, n_feet, n_points, 3))
+    for t in range(n_frames):
+        for foot in range(n_feet):
+            for i in range(3):
+                hips[t, foot, i] = positions[t, hip[foot], i]
+                ankles[t, foot, i] = positions[t, ankle[foot], i]
+                for j in range(3):
+                    axes[0, t, foot, i, j] = frames[t, pelvis[foot], i, j]
+                    axes[1, t, foot, i, j] = frames[t, ankle[foot], i, j]
+                    axes[2, t, foot, i, j] = frames[t, toes[foot], i, j]
+                for point in range(n_points):
+                    joint = sole_joints[foot, point]
+                    place = positions[t, joint, i]
+                    for j in range(3):
+                        place += frames[t, joint, i, j] * sole_offsets[foot, point, j]
+                    soles[t, foot, point, i] = place
+    return hips, ankles, axes[0], axes[1], axes[2], soles

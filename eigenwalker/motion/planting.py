@@ -113,7 +113,7 @@ def plan_feet(stances: list[Stance], stride: float, holds: list[Hold], support: 
     stride : float
         In frames.
     holds : list of Hold
-        From `hold_feet`.
+        From `hold_feet`; none where no leg will reach, then shifts and anchors are zero.
     support : Support
         From `find_support`.
     lowest : ndarray of shape (n_frames, 2)
@@ -126,7 +126,7 @@ def plan_feet(stances: list[Stance], stride: float, holds: list[Hold], support: 
     root = np.zeros((n_frames, 3))
     np.cumsum(steps, axis=0, out=root[1:, :2])
     root[:, 2] = (shares * support.height).sum(axis=1)
-    shifts, anchors = np.empty((n_frames, 2, 3)), np.empty((n_frames, 2))
+    shifts, anchors = np.zeros((n_frames, 2, 3)), np.zeros((n_frames, 2))
     for foot, hold in enumerate(holds):
         slide = np.zeros((n_frames, 2))
         np.cumsum(steps - support.advance[:, foot], axis=0, out=slide[1:])

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from numbers import Real
 from typing import NamedTuple, TypeAlias
 
@@ -129,7 +130,7 @@ class Rig:
         if faults:
             raise ValueError(f"rig {self.name!r} {'; '.join(faults)}")
 
-    @property
+    @cached_property  # asked of every known rig whenever one is looked for
     def sources(self) -> frozenset[str]:
         """The joints or markers that the 15 markers need."""
         return frozenset(name for marker in TROJE15.names for name in sources(self.markers[marker]))

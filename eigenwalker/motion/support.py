@@ -67,35 +67,38 @@ def find_support(soles: NDArray[np.float64]) -> Support:
 def _support(soles, sharp, soft):
     n_frames, n_feet, n_points, _ = soles.shape
     advance, height = np.zeros((max(n_frames - 1, 0), n_feet, 2)), np.empty((n_frames, n_feet))
-    heights = np.empty(n_points)
+    heights, shares = np.empty(n_points), np.empty(n_points)
     for t in range(n_frames):
         for foot in range(n_feet):
             for point in range(n_points):
                 heights[point] = soles[t, foot, point, 2]
+            _share_out(heights, soft, shares)
             height[t, foot] = 0.0
-            for point, share in enumerate(_shares(heights, soft)):  # of points about as low, their mean
-                height[t, foot] -= share * heights[point]
+            for point in range(n_points):  # of points about as low, their mean
+                height[t, foot] -= shares[point] * heights[point]
             if t == n_frames - 1:
                 continue
             for point in range(n_points):
                 heights[point] = 0.5 * (heights[point] + soles[t + 1, foot, point, 2])
-            for point, share in enumerate(_shares(heights, sharp)):
+            _share_out(heights, sharp, shares)
+            for point in range(n_points):
                 for axis in range(2):
-                    advance[t, foot, axis] -= share * (soles[t + 1, foot, point, axis] - soles[t, foot, point, axis])
+                    step = soles[t + 1, foot, point, axis] - soles[t, foot, point, axis]
+                    advance[t, foot, axis] -= shares[point] * step
     return advance, height
 
 
 @njit(cache=True, nogil=True)
-def _shares(heights, scale):
-    """Count from the lowest point, so that no exponential overflows."""
-    lowest, total = heights.min(), 0.0
-    shares = np.empty(len(heights))
+def _share_out(heights, scale, shares):
+    """Write shares, counted from the lowest point, so that no exponential overflows."""
+    lowest, total = heights[0], 0.0
+    for height in heights:
+        lowest = min(lowest, height)
     for point in range(len(heights)):
         shares[point] = np.exp((lowest - heights[point]) / scale)
         total += shares[point]
     for point in range(len(heights)):
         shares[point] /= total
-    return shares
 
 
 def sole_shares(heights: NDArray[np.float64], scale: float = _SHARP) -> NDArray[np.float64]:
@@ -108,7 +111,7 @@ def sole_shares(heights: NDArray[np.float64], scale: float = _SHARP) -> NDArray[
 def _all_shares(heights, scale):
     out = np.empty(heights.shape)
     for row in range(len(heights)):
-        out[row] = _shares(heights[row], scale)
+        _share_out(heights[row], scale, out[row])
     return out
 
 
