@@ -3,8 +3,9 @@
 1,000 walks of 10 s at 60 frames a second, with root motion and feet that stand, in one call of `synthesize`. Beside it
 the plain way to get root motion, the lowest point of both feet as the one that stands, which the tables of
 `benchmarks.feet` show the faults of: frame by frame with scipy's Rotation, and in whole arrays with pymotion's forward
-kinematics. All three evaluate the same harmonics of the same walks; a peer does fewer of them, and time counts per
-walk.
+kinematics. All of them evaluate the same harmonics of the same walks; a peer does fewer of them, and time counts per
+walk. The peers move the root and no leg: *root only* is the same job, ``hold=False``. Kinematics alone is neither a
+walk nor a path, only what pymotion takes to place 22 joints in 600 frames.
 """
 
 import argparse
@@ -22,8 +23,8 @@ from eigenwalker.motion.fourier import evaluate_harmonics, fit_harmonics
 from eigenwalker.motion.phase import stride_frequency
 
 _DURATION, _RATE, _HARMONICS = 10.0, 60.0, 3
-_OURS, _BOTH, _SCIPY = "eigenwalker", "eigenwalker, n_jobs=2", "scipy, frame by frame"
-_PYMOTION, _KINEMATICS = "pymotion", "pymotion, kinematics alone"
+_OURS, _ROOT, _BOTH = "eigenwalker", "eigenwalker, root only", "eigenwalker, n_jobs=2"
+_SCIPY, _PYMOTION, _KINEMATICS = "scipy, frame by frame", "pymotion", "pymotion, kinematics alone"
 
 _LIMB = {"UpLeg": 0.45, "Leg": 0.5, "Foot": 0.2, "ToeBase": 0.3, "Arm": 0.4, "ForeArm": 0.3, "Shoulder": 0.05}
 
@@ -40,8 +41,9 @@ def main() -> None:
     walks[0].joint_positions()
     synthesize(walks[:2])  # compiles
     calls: dict[str, Callable[[int], int]] = {
-        _OURS: lambda _: _synthesize(walks, None),
-        _BOTH: lambda _: _synthesize(walks, 2),
+        _OURS: lambda _: _synthesize(walks),
+        _ROOT: lambda _: _synthesize(walks, hold=False),
+        _BOTH: lambda _: _synthesize(walks, n_jobs=2),
         _SCIPY: lambda turn: _one_of(_by_scipy, walks, turn, 1),
     }
     if find_spec("pymotion") is not None:
@@ -50,21 +52,23 @@ def main() -> None:
     with threadpool_limits(1):
         seconds = _measure.interleaved(calls, n_rounds)
     ratios = {name: _measure.ratio(seconds, name, _OURS) for name in calls}
+    same = {name: _measure.ratio(seconds, name, _ROOT) for name in calls}
     print(_measure.describe_machine(("numpy", "scipy", "numba", "upc-pymotion")))
     _measure.print_table(
         f"{n_walks} walks of {_DURATION:g} s at {_RATE:g} frames a second, {len(walks[0].skeleton.parents)} joints, "
         f"median of {n_rounds} rounds",
-        ["", "ms a walk", "time / ours"],
-        [[name, f"{1e3 * np.median(seconds[name]):.2f}", f"{ratios[name]:.2f}"] for name in calls],
+        ["", "ms a walk", "time / ours", "time / ours, root only"],
+        [[name, f"{1e3 * np.median(seconds[name]):.2f}", f"{ratios[name]:.2f}", f"{same[name]:.2f}"] for name in calls],
     )
     targets = [("at least 30 times as fast as frame by frame", f"{ratios[_SCIPY]:.0f}", ratios[_SCIPY] >= 30)]
     if _PYMOTION in calls:
-        targets.append(("at least as fast as pymotion", f"{ratios[_PYMOTION]:.2f}", ratios[_PYMOTION] >= 1))
+        targets.append(("root only: at least as fast as pymotion", f"{same[_PYMOTION]:.2f}", same[_PYMOTION] >= 1))
+        targets.append(("legs reach: at least as fast as pymotion", f"{ratios[_PYMOTION]:.2f}", ratios[_PYMOTION] >= 1))
     _measure.print_targets(targets)
 
 
-def _synthesize(walks: list[JointWalk], n_jobs: int | None) -> int:
-    return len(synthesize(walks, duration=_DURATION, frame_rate=_RATE, n_harmonics=_HARMONICS, n_jobs=n_jobs))
+def _synthesize(walks: list[JointWalk], **options) -> int:
+    return len(synthesize(walks, duration=_DURATION, frame_rate=_RATE, n_harmonics=_HARMONICS, **options))
 
 
 def _make_walks(n_walks: int) -> list[JointWalk]:

@@ -89,7 +89,7 @@ def test_the_root_does_not_jump(tables):
 
 
 def test_knees_change_by_15_degrees_at_most(data_dir):
-    walks, made, free = _made(data_dir)
+    _walks, made, free = _made(data_dir)
     for held, bare in zip(made, free, strict=True):
         assert np.abs(_flexion(held) - _flexion(bare)).max() < 15 + 1e-5
         assert_allclose(held.rotations[:, 0], bare.rotations[:, 0])

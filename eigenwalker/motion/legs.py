@@ -133,7 +133,8 @@ def pose_legs(rotations: NDArray[np.floating], root: NDArray[np.floating], legs:
 @njit(cache=True, nogil=True)
 def _pick(positions, frames, hip, ankle, pelvis, toes, sole_joints, sole_offsets):
     """Return the parts of a `LegPose` from positions and frames of all joints of the legs."""
-    n_frames, n_feet, n_points = len(positions), *sole_joints.shape
+    n_frames = len(positions)
+    n_feet, n_points = sole_joints.shape
     hips, ankles = np.empty((n_frames, n_feet, 3)), np.empty((n_frames, n_feet, 3))
     axes = np.empty((3, n_frames, n_feet, 3, 3))
     soles = np.empty((n_frames, n_feet, n_points, 3))

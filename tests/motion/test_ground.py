@@ -45,7 +45,7 @@ def test_straight_paths_are_straight_ahead():
     for other in (plant_feet(walk, path=[[0, 0], [2, 0], [9, 0]]), plant_feet(walk, curvature=1e-12)):
         assert_allclose(other.joint_positions(), straight.joint_positions(), atol=1e-9)
     aside = plant_feet(walk, path=[[1, 2], [1, 7]])
-    expected = _turned(straight.joint_positions(), np.pi / 2) + [1, 2, 0]
+    expected = _turned(straight.joint_positions(), np.pi / 2) + np.array([1, 2, 0])
     assert_allclose(aside.joint_positions(), expected, atol=1e-9)
 
 
@@ -65,7 +65,8 @@ def test_without_reaching_only_the_root_moves():
     assert np.ptp(planted.root[:, 0]) > 3
     held = plant_feet(walk)
     names = walk.skeleton.joint_names
-    legs = [names.index(f"{side}{joint}") for side in ("Left", "Right") for joint in ("UpLeg", "Leg", "Foot", "ToeBase")]
+    joints = ("UpLeg", "Leg", "Foot", "ToeBase")
+    legs = [names.index(f"{side}{joint}") for side in ("Left", "Right") for joint in joints]
     others = [joint for joint in range(len(names)) if joint not in legs]
     assert_allclose(held.rotations[:, others], walk.rotations[:, others], atol=0)
     assert_allclose(held.root, planted.root, atol=0.02)

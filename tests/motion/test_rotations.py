@@ -235,7 +235,8 @@ def test_from_channels_without_any():
 
 
 _turns = st.floats(0, np.pi) | st.sampled_from([0.0, 1e-300, 1e-12, 1e-9, 1e-5, np.pi - 1e-9, np.pi / 2, np.pi])
-_axes = st.integers(0, 10_000).map(lambda seed: np.random.default_rng(seed).normal(size=3)) | st.sampled_from(tuple(np.eye(3)))
+_random_axes = st.integers(0, 10_000).map(lambda seed: np.random.default_rng(seed).normal(size=3))
+_axes = _random_axes | st.sampled_from(tuple(np.eye(3)))
 
 
 @given(angle=_turns, axis=_axes)

@@ -1,5 +1,7 @@
 """Which foot stands, and where it carries the body."""
 
+import itertools
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -37,7 +39,7 @@ def test_the_foot_ahead_takes_over_and_feet_alternate():
     assert [stance.foot for stance in stances] == [1, 0, 1, 0, 1, 0, 1]
     assert stances[0].start == -np.inf
     assert stances[-1].end == np.inf
-    for one, following in zip(stances[:-1], stances[1:], strict=True):
+    for one, following in itertools.pairwise(stances):
         assert one.end == following.start
     assert_allclose(stride, 60.0, rtol=1e-3)
     right, _ = find_stances(-_difference(shift=20.0))
@@ -49,8 +51,9 @@ def test_the_foot_ahead_takes_over_and_feet_alternate():
 def test_noise_makes_no_steps(seed):
     noise = np.random.default_rng(seed).normal(scale=0.01, size=200)
     stances, stride = find_stances(_difference(shift=20.0) + noise)
-    times = _times(stances)  # one may be at the very end, where the next top is
-    assert_allclose(times[times < 190], [20, 50, 80, 110, 140, 170], atol=6)  # the top of a cosine is flat
+    times = _times(stances)  # at the very ends, beyond which there is a top as well, noise may be one
+    inside = times[(times > 10) & (times < 190)]
+    assert_allclose(inside, [20, 50, 80, 110, 140, 170], atol=6)  # the top of a cosine is flat
     assert_allclose(stride, 60.0, atol=6)
 
 
@@ -98,7 +101,8 @@ def _sole(n_frames=1, *, pitch=0.0, place=(0.0, 0.0, -0.9)):
 @pytest.mark.parametrize(("pitch", "point"), [(0.3, 0), (-0.3, 2)])
 def test_a_foot_on_its_heel_or_tip_is_carried_by_it(pitch, point):
     """Of a foot that stands and turns about any axis, that point stays."""
-    soles = _sole(20, pitch=pitch + np.linspace(0, 0.1, 20), place=np.linspace([0.3, 0.1, -0.9], [-0.3, 0.12, -0.8], 20))
+    place = np.linspace([0.3, 0.1, -0.9], [-0.3, 0.12, -0.8], 20)
+    soles = _sole(20, pitch=pitch + np.linspace(0, 0.1, 20), place=place)
     support = find_support(soles)
     assert_allclose(support.advance, -np.diff(soles[:, :, point, :2], axis=0), atol=1e-12)
     # Its height is the softer one: at 0.3 the ball is 1.8 cm over the tip, three times 6 mm.

@@ -81,7 +81,7 @@ def test_beyond_their_ends_paths_are_straight():
 
 def test_a_path_of_two_points_is_the_line_through_them():
     way = find_way(path=[[1.0, 1.0], [1.0, 3.0]])
-    assert_allclose(way.place(LENGTHS), [1.0, 1.0] + np.outer(LENGTHS, [0.0, 1.0]), atol=1e-12)
+    assert_allclose(way.place(LENGTHS), 1.0 + np.outer(LENGTHS, [0.0, 1.0]), atol=1e-12)
     assert_allclose(way.direction(LENGTHS), np.pi / 2)
 
 
