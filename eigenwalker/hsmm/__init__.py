@@ -9,7 +9,8 @@ from eigenwalker.hsmm.estimation import (
     start_parameters,
     variance_floors,
 )
-from eigenwalker.hsmm.features import WINDOWS, append_dynamics, whole_frames
+from eigenwalker.hsmm.features import NEIGHBOR_WINDOWS, WINDOWS, append_dynamics, whole_frames
+from eigenwalker.hsmm.gait_hsmm import GaitHSMM
 from eigenwalker.hsmm.inference import (
     Posterior,
     align_states,
@@ -19,28 +20,38 @@ from eigenwalker.hsmm.inference import (
     sum_paths,
 )
 from eigenwalker.hsmm.observation import accumulate_over_time, log_densities
+from eigenwalker.hsmm.step_labels import CONTEXTS, label_steps, make_labels
+from eigenwalker.hsmm.style_blend import blend
+from eigenwalker.hsmm.style_classifier import StyleClassifier
 from eigenwalker.hsmm.training import FittedStates, expect_statistics, fit_states
 
 __all__ = [
+    "CONTEXTS",
+    "NEIGHBOR_WINDOWS",
     "WINDOWS",
     "FittedStates",
+    "GaitHSMM",
     "ObservedWalk",
     "Posterior",
     "StateParameters",
     "Statistics",
+    "StyleClassifier",
     "accumulate_over_time",
     "accumulate_walk",
     "add_statistics",
     "align_states",
     "append_dynamics",
+    "blend",
     "certain_posterior",
     "duration_support",
     "expect_statistics",
     "fit_durations",
     "fit_states",
     "infer_states",
+    "label_steps",
     "log_densities",
     "log_durations",
+    "make_labels",
     "maximize_likelihood",
     "overall_moments",
     "reachable_starts",

@@ -127,7 +127,7 @@ def overall_moments(walks: Sequence[ObservedWalk]) -> tuple[NDArray[np.float64],
 
 def start_parameters(
     walks: Sequence[ObservedWalk],
-    boundaries: Sequence[Sequence[int]],
+    boundaries: Sequence[ArrayLike],
     *,
     n_states: int,
     n_duration_states: int,
@@ -140,7 +140,7 @@ def start_parameters(
     ----------
     walks : sequence of ObservedWalk
         The walks.
-    boundaries : sequence of sequences of int, each of shape (n_positions + 1,)
+    boundaries : sequence of array-like of int, each of shape (n_positions + 1,)
         First frame of each position, and the number of frames.
     n_states, n_duration_states : int
         Number of states. Those that no walk has get the moments of all frames and of all durations.
@@ -152,7 +152,7 @@ def start_parameters(
     StateParameters
     """
     means, variances = overall_moments(walks)
-    lengths = np.concatenate([np.diff(edges) for edges in boundaries])
+    lengths = np.concatenate([np.diff(np.asarray(edges)) for edges in boundaries])
     overall = StateParameters(
         np.tile(means, (n_states, 1)),
         np.tile(np.maximum(variances, floors), (n_states, 1)),

@@ -12,13 +12,17 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["WINDOWS", "append_dynamics", "whole_frames"]
+__all__ = ["NEIGHBOR_WINDOWS", "WINDOWS", "append_dynamics", "whole_frames"]
 
 WINDOWS = (
     (1.0,),  # static
     (-0.5, 0.0, 0.5),  # Eq. 2: (c[t+1] - c[t-1]) / 2
     (0.25, 0.0, -0.5, 0.0, 0.25),  # Eq. 3: (c[t+2] - 2 c[t] + c[t-2]) / 4, which steps over every other frame
 )
+"""Those of the paper. They do not couple even and odd frames, which part in what is generated, see `generation`."""
+
+NEIGHBOR_WINDOWS = (*WINDOWS[:2], (1.0, -2.0, 1.0))
+"""With the second difference of neighboring frames, c[t+1] - 2 c[t] + c[t-1], as HTS has it: couples all frames."""
 
 
 def append_dynamics(

@@ -9,11 +9,10 @@ is the log-density of the frames before e if position k ends there. The first po
 the last one ends at the last. All functions take one row a position; states that positions share are repeated.
 """
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from eigenwalker._validation import WalkError
 from eigenwalker.hsmm._messages import backward, best_starts, forward
@@ -107,7 +106,7 @@ def align_states(
     return boundaries, _check_possible(float(log_probability), walk)
 
 
-def certain_posterior(boundaries: Sequence[int] | NDArray[np.integer]) -> Posterior:
+def certain_posterior(boundaries: ArrayLike) -> Posterior:
     """Return the posterior of a walk whose path is known, to start from; its likelihood is not (NaN).
 
     Parameters

@@ -20,7 +20,7 @@ from eigenwalker.hsmm.estimation import StateParameters, maximize_likelihood, ov
 from eigenwalker.hsmm.inference import infer_states
 from eigenwalker.hsmm.observation import accumulate_over_time, log_densities
 
-__all__ = ["FittedStates", "expect_statistics", "fit_states"]
+__all__ = ["FittedStates", "expect_all", "expect_statistics", "fit_states"]
 
 
 class FittedStates(NamedTuple):
@@ -125,7 +125,7 @@ def fit_states(
     history: list[float] = []
     converged = False
     for iteration in range(max_iter + 1):
-        statistics = _expect_all(centered, current, n_jobs)
+        statistics = expect_all(centered, current, n_jobs)
         history.append(statistics.log_likelihood)
         if report is not None:
             report(iteration, history[-1])
@@ -136,7 +136,8 @@ def fit_states(
     return FittedStates(current._replace(means=current.means + center), np.array(history), converged)
 
 
-def _expect_all(walks: Sequence[ObservedWalk], parameters: StateParameters, n_jobs: int | None) -> Statistics:
+def expect_all(walks: Sequence[ObservedWalk], parameters: StateParameters, n_jobs: int | None = None) -> Statistics:
+    """Return the expected sums of all walks together; arguments as of `fit_states`."""
     with parallel_config("threading", n_jobs=n_jobs):
         sums, refusals = collect(
             partial(expect_statistics, parameters=parameters), walks, [walk.name for walk in walks]

@@ -1,10 +1,8 @@
 """Walks as points of a linear space: Fourier coefficients (Troje 2002, section 2) and their scaling."""
 
-import math
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,6 +13,7 @@ from eigenwalker._validation import WalkError, check_finite, check_walks
 from eigenwalker.motion.fourier import evaluate_harmonics, explained_by, fit_harmonics, reference_phase, shift_phase
 from eigenwalker.motion.phase import find_stride, phase_weights
 from eigenwalker.motion.robust import fit_harmonics_robust
+from eigenwalker.motion.template import check_alike, fill_template, one_frame
 from eigenwalker.motion.walk import JointWalk, Walk
 
 __all__ = ["FourierLinearizer"]
@@ -118,8 +117,8 @@ class FourierLinearizer(TransformerMixin, BaseEstimator):
         if unknown or isinstance(self.extras, str):
             raise ValueError(f"extras must be a sequence out of {', '.join(_EXTRAS)}, got {self.extras!r}")
         phase_weights(walks[0], self.phase_reference)
-        self.template_ = _one_frame(walks[0])
-        self._check_channels(walks)
+        self.template_ = one_frame(walks[0])
+        check_alike(walks, self.template_)
         return self
 
     def transform(self, X: Sequence[Walk | JointWalk]) -> NDArray[np.float64]:
@@ -142,7 +141,8 @@ class FourierLinearizer(TransformerMixin, BaseEstimator):
             known value for one of `extras`.
         """
         check_is_fitted(self)
-        walks = self._check_channels(check_walks(X, kind=(Walk, JointWalk)))
+        walks = check_walks(X, kind=(Walk, JointWalk))
+        check_alike(walks, self.template_)
         weights = phase_weights(self.template_, self.phase_reference)
         vectors = np.empty((len(walks), len(self.get_feature_names_out())))
         poor = []
@@ -199,7 +199,8 @@ class FourierLinearizer(TransformerMixin, BaseEstimator):
         ndarray of shape (n_walks,)
         """
         check_is_fitted(self)
-        walks = self._check_channels(check_walks(walks, kind=(Walk, JointWalk)))
+        walks = check_walks(walks, kind=(Walk, JointWalk))
+        check_alike(walks, self.template_)
         return np.array([1.0 - power for *_, power in self._fit_each(walks)])
 
     def get_feature_names_out(self, input_features: object = None) -> NDArray[np.object_]:
@@ -214,29 +215,6 @@ class FourierLinearizer(TransformerMixin, BaseEstimator):
         blocks = ["mean"] + [f"{wave}{k}" for k in range(1, self.n_harmonics + 1) for wave in ("sin", "cos")]
         names = [f"{block}_{channel}" for block in blocks for channel in self.template_.channel_names]
         return np.array([*names, "frequency", *self.extras], dtype=object)
-
-    def _check_channels(self, walks: list[Walk | JointWalk]) -> list[Walk | JointWalk]:
-        expected = self.template_.channel_names
-        for walk in walks:
-            if walk.channel_names != expected:
-                lacks = [name for name in expected if name not in walk.channel_names]
-                adds = [name for name in walk.channel_names if name not in expected]
-                raise WalkError(
-                    f"walk {walk.name!r}: expected the {len(expected)} channels of the first walk in fit, got "
-                    f"{len(walk.channel_names)}; missing: {', '.join(lacks[:6]) or 'none'}; unknown: "
-                    f"{', '.join(adds[:6]) or 'none'}; bring all walks to one "
-                    + (
-                        "skeleton, and prepare them with the same joints=..."
-                        if isinstance(walk, JointWalk)
-                        else "marker set, in one order"
-                    )
-                )
-            if _is_upright(walk) != _is_upright(self.template_):
-                raise WalkError(
-                    f"walk {walk.name!r}: expected rotations along the axes of the room in all walks or in none; "
-                    "prepare all of them with representation='joints'"
-                )
-        return walks
 
     def _fit_each(
         self, walks: list[Walk | JointWalk]
@@ -283,7 +261,7 @@ class FourierLinearizer(TransformerMixin, BaseEstimator):
         times = np.arange(max(1, round(self.n_cycles * self.frame_rate / frequency))) / self.frame_rate
         channels = evaluate_harmonics(coefficients, frequency, times)
         known = dict(zip(self.extras, extras, strict=True))
-        return _fill_template(self.template_, channels, frame_rate=self.frame_rate, name=name, **known)
+        return fill_template(self.template_, channels, frame_rate=self.frame_rate, name=name, **known)
 
     def __sklearn_tags__(self):
         """Tell scikit-learn that the input is a list of walks."""
@@ -291,25 +269,3 @@ class FourierLinearizer(TransformerMixin, BaseEstimator):
         tags.input_tags.two_d_array = False
         tags.no_validation = True
         return tags
-
-
-def _is_upright(walk: Walk | JointWalk) -> bool:
-    return isinstance(walk, JointWalk) and walk.skeleton.upright
-
-
-def _one_frame(walk: Walk | JointWalk) -> Walk | JointWalk:
-    """Keep the kind and the channels of a walk, and one frame, without what is its own."""
-    plain: dict[str, Any] = {"name": "", "speed": math.nan, "size": 1.0, "events": (), "frequency": math.nan}
-    if isinstance(walk, JointWalk):
-        still = {joint: path[:1] for joint, path in walk.translations.items()}
-        return replace(walk, rotations=walk.rotations[:1], root=walk.root[:1], translations=still, **plain)
-    return replace(walk, positions=walk.positions[:1], **plain)
-
-
-def _fill_template(template: Walk | JointWalk, channels: NDArray[np.float64], **fields: Any) -> Walk | JointWalk:
-    if isinstance(template, JointWalk):
-        fields["root"] = np.repeat(template.root, len(channels), axis=0)
-        fields["translations"] = {
-            joint: np.repeat(path, len(channels), axis=0) for joint, path in template.translations.items()
-        }
-    return template.with_channels(channels, **fields)

@@ -13,9 +13,21 @@ from scipy.signal import find_peaks, savgol_filter
 from eigenwalker._validation import WalkError, check_choice, check_finite, check_walks
 from eigenwalker.motion.walk import Event, JointWalk, Walk
 
-__all__ = ["Step", "detect_events", "find_steps", "gait_table", "heel_strikes", "step_frequency", "toe_offs"]
+__all__ = [
+    "SIDES",
+    "STEP_POSITIONS",
+    "Step",
+    "detect_events",
+    "find_steps",
+    "gait_table",
+    "heel_strikes",
+    "step_frequency",
+    "step_position",
+    "toe_offs",
+]
 
 SIDES = ("left", "right")
+STEP_POSITIONS = ("first", "second", "inside", "last but one", "last")
 _WINDOW = 0.2  # seconds, over which cubics smooth: they keep what is below some 7 Hz
 _PROMINENCE = 0.35  # of the range of the signal
 _CERTAIN = 4.0  # times the noise by which a foot must have turned back before the recording ends
@@ -32,7 +44,7 @@ class Step(NamedTuple):
     start, end : float
         Seconds from the first frame.
     position : str
-        Where in the walk: "first", "second", "inside", "last but one" or "last".
+        Where in the walk: one of STEP_POSITIONS, "first", "second", "inside", "last but one" or "last".
     """
 
     side: str
@@ -184,11 +196,13 @@ def find_steps(walk: Walk) -> list[Step]:
     strikes = sorted((time, side) for side in SIDES for time in heel_strikes(walk, side).tolist())
     pairs = [(one, two) for one, two in pairwise(strikes) if one[1] != two[1]]
     return [
-        Step(side, start, end, _position(number, len(pairs))) for number, ((start, _), (end, side)) in enumerate(pairs)
+        Step(side, start, end, step_position(number, len(pairs)))
+        for number, ((start, _), (end, side)) in enumerate(pairs)
     ]
 
 
-def _position(number: int, n_steps: int) -> str:
+def step_position(number: int, n_steps: int) -> str:
+    """Return where in a walk of `n_steps` steps the one with this number is, counted from 0: one of STEP_POSITIONS."""
     from_end = n_steps - 1 - number
     named = {0: "first", 1: "second"} if number <= from_end else {}
     ends = {0: "last", 1: "last but one"}
