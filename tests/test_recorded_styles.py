@@ -81,7 +81,9 @@ def test_feet_are_on_the_floor(tables):
 
 def test_speed_is_kept(tables, data_dir):
     speeds = np.array([walk.speed for walk in _made(data_dir)[0]])
-    _below(np.abs(tables[1]["speed_m_per_s"] / speeds - 1), tables[1]["name"], 0.05)
+    errors = np.abs(tables[1]["speed_m_per_s"] / speeds - 1)
+    _below(errors, tables[1]["name"], 0.05)
+    assert errors.median() < 0.005  # legs reach for the 3 % that they may
 
 
 def test_the_root_does_not_jump(tables):

@@ -117,9 +117,11 @@ def evaluate_harmonics(coefficients: NDArray[np.floating], frequency: float, tim
     """
     times = np.asarray(times, dtype=np.float64)
     n_harmonics = (len(coefficients) - 1) // 2
-    angles = 2 * np.pi * frequency * np.outer(times, np.arange(1, n_harmonics + 1))
-    waves = np.stack((np.sin(angles), np.cos(angles)), axis=2).reshape(len(times), -1)  # (n_times, 2 K)
-    return coefficients[0] + waves @ coefficients[1:]
+    angles = 2 * np.pi * frequency * times[:, np.newaxis] * np.arange(1, n_harmonics + 1)
+    basis = np.ones((len(times), len(coefficients)))
+    np.sin(angles, out=basis[:, 1::2])
+    np.cos(angles, out=basis[:, 2::2])
+    return basis @ coefficients
 
 
 def shift_phase(coefficients: NDArray[np.floating], phase: float) -> NDArray[np.float64]:

@@ -2,20 +2,20 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
 from eigenwalker._validation import WalkError, check_finite
-from eigenwalker.motion.clip import cut
+from eigenwalker.motion._quaternions import rotvecs_between
 from eigenwalker.motion.leg_reach import reach
 from eigenwalker.motion.legs import LegPose, Legs, find_legs, pose_legs
 from eigenwalker.motion.planting import Plan, hold_feet, plan_feet
 from eigenwalker.motion.rig import Place, Rig
-from eigenwalker.motion.rotations import rotvecs_of_matrices, unroll_rotvec
-from eigenwalker.motion.support import find_stances, find_support, sole_shares
+from eigenwalker.motion.rotations import unroll_rotvec
+from eigenwalker.motion.support import find_stances, find_support, standing_points
 from eigenwalker.motion.twist import turn_left, untwist_feet
 from eigenwalker.motion.walk import JointWalk
 from eigenwalker.motion.way import Way, find_way
@@ -32,6 +32,7 @@ def plant_feet(
     heading: float = 0.0,
     curvature: float = 0.0,
     path: ArrayLike | None = None,
+    speed: float | None = None,
     hold: bool = True,
     max_knee: float = MAX_KNEE,
     rig: Rig | Mapping[str, Place] | None = None,
@@ -57,6 +58,10 @@ def plant_feet(
     path : array-like of shape (n_points, 2), default None
         Points over the floor, in metres, that the path leads through smoothly, and on straight beyond the last one;
         in place of `heading` and `curvature`.
+    speed : float, default None
+        How fast it goes, in m/s. None is the `speed` of the walk, which `prepare` finds in a recording; NaN is unknown,
+        then it goes as its legs say. Legs reach for up to 3 % more or less than they say: a walk that would have to
+        change more goes as near to its speed as that. Without `hold` it always goes as its legs say.
     hold : bool, default True
         Whether legs reach. Else only the root is moved: rotations stay what they are, and the feet slide a few
         centimetres while they hand over.
@@ -93,7 +98,8 @@ def plant_feet(
     if not travel and (curvature or path is not None):
         raise ValueError("travel=False keeps the walk in place: it has no curvature and no path")
     way = find_way(heading=heading, curvature=curvature, path=path)
-    planted, advance = plant_on_way(walk, way, find_legs(walk.skeleton, rig), hold=hold, max_knee=max_knee)
+    legs = find_legs(walk.skeleton, rig)
+    planted, advance = plant_on_way(walk, way, legs, speed=speed, hold=hold, max_knee=max_knee)
     return planted if travel else _in_place(planted, advance, heading)
 
 
@@ -103,6 +109,7 @@ def plant_on_way(
     legs: Legs,
     *,
     keep: slice | None = None,
+    speed: float | None = None,
     hold: bool = True,
     max_knee: float = MAX_KNEE,
 ) -> tuple[JointWalk, float]:
@@ -118,29 +125,33 @@ def plant_on_way(
         Of the skeleton.
     keep : slice, default None
         Those before and after say where the feet come from and go to. None keeps all.
-    hold, max_knee
+    speed, hold, max_knee
         See `plant_feet`.
     """
     if walk.n_frames < 3:
         raise WalkError(f"walk {walk.name!r}: expected at least 3 frames, got {walk.n_frames}")
     if not np.isfinite(max_knee) or max_knee < 0:
         raise ValueError(f"max_knee must be finite and not negative, in degrees, got {max_knee!r}")
+    if speed is not None and (speed <= 0 or np.isinf(speed)):
+        raise ValueError(f"speed must be positive and finite, in m/s, or NaN where it is unknown, got {speed!r}")
     top = np.asarray(walk.skeleton.offsets[walk.skeleton.above(walk.skeleton.root)], dtype=np.float64).sum(axis=0)
     pose = pose_legs(walk.rotations, np.tile(-top, (walk.n_frames, 1)), legs)  # with the root at the origin
     stances, stride = find_stances(pose.ankles[:, 0, 0] - pose.ankles[:, 1, 0])
     holds = hold_feet(stances, stride, walk.n_frames) if hold else []
     pose = untwist_feet(pose, holds) if hold else pose
-    plan = plan_feet(stances, stride, holds, find_support(pose.soles), pose.soles[..., 2].min(axis=2))
-    amounts = [held.amount for held in holds]
+    wanted = (walk.speed if speed is None else speed) / (walk.size * walk.frame_rate)
+    plan = plan_feet(stances, stride, holds, find_support(pose.soles), speed=wanted)
     frames = slice(0, walk.n_frames) if keep is None else keep
     start = plan.root[frames.start] * [1.0, 1.0, 0.0]
     plan = plan._replace(
         root=plan.root[frames] - start, shifts=plan.shifts[frames], anchors=plan.anchors[frames] - start[0]
     )
-    kept = replace(cut(walk, frames), translations={}, speed=float("nan"), events=())
+    rotations = np.array(walk.rotations[frames], dtype=np.float64)
     pose = LegPose(*(part[frames] for part in pose))
-    planted = _place(kept, pose, plan, way, legs, [amount[frames] for amount in amounts], np.deg2rad(max_knee))
-    return replace(planted, root=planted.root - top), plan.speed
+    root = _place(rotations, pose, plan, way, legs, [hold.amount[frames] for hold in holds], np.deg2rad(max_knee))
+    rotations.flags.writeable = False  # else the walk keeps a copy
+    new: dict[str, Any] = {"rotations": rotations, "root": root - top, "translations": {}, "events": ()}
+    return replace(walk, **new, speed=float("nan")), plan.speed
 
 
 class _Goal(NamedTuple):
@@ -154,28 +165,30 @@ class _Goal(NamedTuple):
 
 
 def _place(
-    walk: JointWalk,
+    rotations: NDArray[np.float64],
     pose: LegPose,
     plan: Plan,
     way: Way,
     legs: Legs,
     amounts: list[NDArray[np.float64]],
     max_knee: float,
-) -> JointWalk:
-    """Put a walk on its way, and let the legs reach as far as their feet are held."""
+) -> NDArray[np.float64]:
+    """Turn rotations along their way, and let the legs reach as far as their feet are held, in place; return the root.
+
+    Rotations, shape (n_frames, n_joints, 3), are those of all joints.
+    """
     root, angles = way.bend(plan.root, plan.root[:, 0])
-    rotations = np.array(walk.rotations, dtype=np.float64)
     if angles.any():
-        place = walk.skeleton.root
+        place = legs.joints[legs.root]
         turned = Rotation.from_rotvec(np.outer(angles, [0.0, 0.0, 1.0])) * Rotation.from_rotvec(rotations[:, place])
         rotations[:, place] = unroll_rotvec(turned.as_rotvec())
-    for foot, amount in enumerate(amounts):
-        goal = _goal(pose, plan, way, foot, angles)
+    goals = _goals(pose, plan, way, angles) if amounts else ()
+    for foot, (amount, goal) in enumerate(zip(amounts, goals, strict=True)):
         _, knee, ankle = legs.chain[foot]
         joints = legs.joints[legs.chain[foot]]
         found = reach(
-            rotations[:, joints],
-            turn_left(pose.pelvis[:, foot], angles, axis=-2),
+            rotations.take(joints, axis=1),
+            turn_left(pose.pelvis[:, foot], angles),
             turn_left(pose.hips[:, foot], angles) + root,
             legs.offsets[knee],
             legs.offsets[ankle],
@@ -186,26 +199,27 @@ def _place(
             goal.swivel,
             max_knee=max_knee,
         )
-        rotations[:, joints] = found.rotations
+        for joint, turning in zip(joints, found.rotations.swapaxes(0, 1), strict=True):
+            rotations[:, joint] = turning
         toes = legs.sole_joints[foot, 2]
         if toes != ankle:  # they stay as they lie when the foot rolls over them
-            rotations[:, legs.joints[toes]] = rotvecs_of_matrices(found.foot.transpose(0, 2, 1) @ goal.toes)
-    rotations.flags.writeable = False  # else the walk keeps a copy
-    return replace(walk, rotations=rotations, root=root)
+            rotations[:, legs.joints[toes]] = rotvecs_between(found.foot, goal.toes)
+    return root
 
 
-def _goal(pose: LegPose, plan: Plan, way: Way, foot: int, angles: NDArray[np.float64]) -> _Goal:
-    """Return where one foot should be on the way: it turns with the path while it swings, not while it stands."""
-    shift = plan.root + plan.shifts[:, foot]
-    soles = pose.soles[:, foot]
-    pivot = (sole_shares(soles[..., 2])[..., np.newaxis] * soles).sum(axis=1) + shift
-    ankle, turning = way.bend(pose.ankles[:, foot] + shift, plan.anchors[:, foot])
-    pivot, _ = way.bend(pivot, plan.anchors[:, foot])
-    feet, toes = (turn_left(part[:, foot], turning, axis=-2) for part in (pose.feet, pose.toes))
-    return _Goal(ankle, feet, toes, pivot, turning - angles)
+def _goals(pose: LegPose, plan: Plan, way: Way, angles: NDArray[np.float64]) -> list[_Goal]:
+    """Return where the feet should be on the way: they turn with the path while they swing, not while they stand."""
+    points, goals = standing_points(pose.soles), []
+    for foot in (0, 1):
+        shift = plan.root + plan.shifts[:, foot]
+        ankle, turning = way.bend(pose.ankles[:, foot] + shift, plan.anchors[:, foot])
+        pivot, _ = way.bend(points[:, foot] + shift, plan.anchors[:, foot])
+        feet, toes = (turn_left(part[:, foot], turning) for part in (pose.feet, pose.toes))
+        goals.append(_Goal(ankle, feet, toes, pivot, turning - angles))
+    return goals
 
 
 def _in_place(walk: JointWalk, advance: float, heading: float) -> JointWalk:
     """Take the steady advance, in metres a frame, out of a planted walk."""
     way = np.outer(np.arange(walk.n_frames) * advance, [np.cos(heading), np.sin(heading), 0.0])
-    return replace(walk, root=walk.root - way, speed=advance * walk.frame_rate)
+    return replace(walk, root=walk.root - way, speed=walk.size * advance * walk.frame_rate)

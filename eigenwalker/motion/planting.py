@@ -3,12 +3,14 @@
 Everything here is for a walk along x; arrays are time first, in metres and frames. Times may lie between frames.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
-from eigenwalker.motion.support import Stance, Support, smooth_step
+from eigenwalker.motion.support import Stance, Support, rise, smooth_step
 
 __all__ = ["Hold", "Plan", "hold_feet", "plan_feet"]
 
@@ -18,6 +20,7 @@ _HELD = 0.095  # strides after its stance for which a foot stands on behind the 
 _LEAVE = 0.04  # strides after that in which it comes up to the speed of its swing
 _FADE = 0.14  # strides before and after all that in which it comes to where it is held, and back to where it was
 _SOFT = 0.006  # metres of depth over which the floor comes to hold a foot that comes or goes
+_MAX_GAIN = 0.03  # of the speed that the legs say, by which a walk may go faster or slower
 
 Array = NDArray[np.float64]
 
@@ -35,6 +38,8 @@ class Hold(NamedTuple):
         How much it must be on the floor, 0 to 1.
     middle : ndarray of int of shape (n_frames,)
         A frame of its nearest stance in which the other foot swings.
+    behind : ndarray of int of shape (n_frames,)
+        The last such frame, when the body is about to follow the other foot as well.
     middles : ndarray of int of shape (n_stances,)
         The same of each stance of the foot.
     late : float
@@ -45,6 +50,7 @@ class Hold(NamedTuple):
     still: Array
     down: Array
     middle: NDArray[np.intp]
+    behind: NDArray[np.intp]
     middles: NDArray[np.intp]
     late: float
 
@@ -82,29 +88,53 @@ def hold_feet(stances: list[Stance], stride: float, n_frames: int) -> list[Hold]
     n_frames : int
         Of the walk.
     """
-    frames = np.arange(n_frames, dtype=np.float64)
     holds = []
     for foot in (0, 1):
         own = [stance for stance in stances if stance.foot == foot] or [Stance(foot, np.inf, np.inf)]
-        starts, ends = np.array([[stance.start, stance.end] for stance in own]).T
-        nearest = np.searchsorted((ends[:-1] + starts[1:]) / 2, frames)
-        inside = np.clip([starts, ends], -0.25 * stride, n_frames - 1 + 0.25 * stride).mean(axis=0)
-        middles = np.clip(np.rint(inside), 0, n_frames - 1).astype(np.intp)
-        early, late = (starts[nearest] - frames) / stride, (frames - ends[nearest]) / stride  # strides out of stance
-        touch = smooth_step(1 - early / _TOUCH)
-        amount = smooth_step(1 - np.maximum(early, late - _HELD) / _FADE)
-        still = np.minimum(touch, smooth_step(1 - (late - _HELD) / _LEAVE))
-        down = np.minimum(touch, smooth_step(1 - late / _HELD))
-        holds.append(Hold(amount, still, down, middles[nearest], middles, _HELD * stride))
+        starts, ends = np.array([[stance.start for stance in own], [stance.end for stance in own]])
+        nearest, amount, still, down = _hold(starts, ends, float(stride), n_frames)
+        begun, left = np.clip([starts, ends], -0.25 * stride, n_frames - 1 + 0.25 * stride)
+        middles = np.clip(np.rint((begun + left) / 2), 0, n_frames - 1).astype(np.intp)
+        lasts = np.clip(np.floor(left - _BLEND * stride), middles, n_frames - 1).astype(np.intp)
+        holds.append(Hold(amount, still, down, middles[nearest], lasts[nearest], middles, _HELD * stride))
     return holds
 
 
-def plan_feet(stances: list[Stance], stride: float, holds: list[Hold], support: Support, lowest: Array) -> Plan:
+@njit(cache=True, nogil=True, error_model="numpy")
+def _hold(starts, ends, stride, n_frames):
+    """Return the nearest stance of each frame, and the first three parts of a `Hold`."""
+    nearest = np.empty(n_frames, np.int64)
+    amount, still, down = np.empty(n_frames), np.empty(n_frames), np.empty(n_frames)
+    stance = 0
+    for t in range(n_frames):
+        while stance + 1 < len(starts) and t > (ends[stance] + starts[stance + 1]) / 2:
+            stance += 1
+        early, late = (starts[stance] - t) / stride, (t - ends[stance]) / stride  # strides out of stance
+        touch = rise(1 - early / _TOUCH)
+        nearest[t] = stance
+        amount[t] = rise(1 - max(early, late - _HELD) / _FADE)
+        still[t] = min(touch, rise(1 - (late - _HELD) / _LEAVE))
+        down[t] = min(touch, rise(1 - late / _HELD))
+    return nearest, amount, still, down
+
+
+def plan_feet(
+    stances: list[Stance],
+    stride: float,
+    holds: list[Hold],
+    support: Support,
+    *,
+    speed: float = math.nan,
+) -> Plan:
     """Return where the root goes, and what the feet lack to stand still.
 
     The root goes as the standing foot lets it go; around a hand-over of the weight as both do, in shares that pass
     smoothly from one to the other. Where a foot is held while the root follows the other one too, it lacks what it
     would slide; on the way down and up it lacks nothing but what keeps it out of the floor.
+
+    The legs say how fast the body goes. It goes up to 3 % faster or slower where another speed is wanted: while one
+    foot stands alone the body gains on it, or loses, and the foot comes down so much further ahead, or less far, that
+    behind the body it stands as the legs say.
 
     Parameters
     ----------
@@ -116,23 +146,45 @@ def plan_feet(stances: list[Stance], stride: float, holds: list[Hold], support: 
         From `hold_feet`; none where no leg will reach, then shifts and anchors are zero.
     support : Support
         From `find_support`.
-    lowest : ndarray of shape (n_frames, 2)
-        Height of the lowest point of each sole against the root.
+    speed : float, default NaN
+        In metres a frame, what is wanted of feet that are held. NaN is as the legs say.
     """
-    n_frames = len(lowest)
+    n_frames = len(support.height)
     left = _share_of_left(stances, stride, n_frames)
-    shares = np.column_stack((left, 1 - left))
-    steps = ((shares[1:] + shares[:-1])[..., np.newaxis] / 2 * support.advance).sum(axis=1)
+    share = (left[1:] + left[:-1]) / 2
+    by_left, by_right = support.advance.transpose(1, 2, 0)  # (2, n_frames - 1) each: time last is quicker
+    steps = (share * by_left + (1 - share) * by_right).T
+    steps[:, 0] += _gain(steps[:, 0], holds, stride, speed)
     root = np.zeros((n_frames, 3))
     np.cumsum(steps, axis=0, out=root[1:, :2])
-    root[:, 2] = (shares * support.height).sum(axis=1)
+    root[:, 2] = left * support.height[:, 0] + (1 - left) * support.height[:, 1]
     shifts, anchors = np.zeros((n_frames, 2, 3)), np.zeros((n_frames, 2))
     for foot, hold in enumerate(holds):
-        slide = np.zeros((n_frames, 2))
-        np.cumsum(steps - support.advance[:, foot], axis=0, out=slide[1:])
-        shifts[:, foot] = _lack(hold, slide, lowest[:, foot] + root[:, 2])
+        slide = steps - support.advance[:, foot]
+        above = support.lowest[:, foot] + root[:, 2]
+        _write_lack(hold.amount, hold.still, hold.down, hold.behind, slide, above, shifts[:, foot])
         anchors[:, foot] = _anchors([stance for stance in stances if stance.foot == foot], hold, root[:, 0])
     return Plan(root, shifts, anchors, _speed(root[:, 0], stride))
+
+
+def _gain(steps: Array, holds: list[Hold], stride: float, speed: float) -> Array:
+    """Return by how much the body goes further in each step than it would, shape (n_frames - 1,), to reach a speed.
+
+    It is the same share of each step in which one foot is still, and nothing while both are.
+    """
+    planned = _speed(_path(steps), stride) if holds and speed > 0 else 0.0
+    if planned <= 0:
+        return np.zeros_like(steps)
+    both = holds[0].still * holds[1].still
+    alone = (1.0 - (both[1:] + both[:-1]) / 2) * steps
+    most = _MAX_GAIN * planned
+    wanted = np.clip(speed - planned, -most, most)
+    return wanted / max(_speed(_path(alone), stride), most) * alone  # where no foot is alone for long, as much again
+
+
+def _path(steps: Array) -> Array:
+    """Return where steps, shape (n_frames - 1,), lead from zero on, shape (n_frames,)."""
+    return np.concatenate(([0.0], np.cumsum(steps)))
 
 
 def _share_of_left(stances: list[Stance], stride: float, n_frames: int) -> Array:
@@ -147,22 +199,30 @@ def _share_of_left(stances: list[Stance], stride: float, n_frames: int) -> Array
     return np.where(to_right == 1, 1.0 - rise, rise)
 
 
-def _lack(hold: Hold, slide: Array, above: Array) -> Array:
-    """Return what a foot lacks, shape (n_frames, 3), from what it slides (n_frames, 2) and its height (n_frames,).
+@njit(cache=True, nogil=True)
+def _write_lack(amount, still, down, behind, slide, above, out):
+    """Write what a foot lacks, (n_frames, 3), from its slide in each step, (n_frames - 1, 2), and its height.
 
-    Inside of its stance, away from the hand-overs, it does not slide at all: there nothing is lacking.
+    Inside of its stance, away from the hand-overs, it slides by what the body gains on it alone. At the end of that
+    nothing is lacking.
     """
-    kept = np.zeros_like(slide)  # of the slide, what must be undone
-    np.cumsum((hold.still[1:] + hold.still[:-1])[:, np.newaxis] / 2 * np.diff(slide, axis=0), axis=0, out=kept[1:])
-    upward = (1.0 - hold.down) * _out_of_floor(-above) - hold.down * above
-    return np.column_stack((hold.amount[:, np.newaxis] * (kept[hold.middle] - kept), upward))
+    n_frames = len(amount)
+    kept = np.zeros((n_frames, 2))  # of the slide, what must be undone
+    for t in range(1, n_frames):
+        for axis in range(2):
+            kept[t, axis] = kept[t - 1, axis] + 0.5 * (still[t] + still[t - 1]) * slide[t - 1, axis]
+    for t in range(n_frames):
+        for axis in range(2):
+            out[t, axis] = amount[t] * (kept[behind[t], axis] - kept[t, axis])
+        out[t, 2] = (1.0 - down[t]) * _out_of_floor(-above[t]) - down[t] * above[t]
 
 
-def _out_of_floor(depth: Array) -> Array:
-    """Return how far a foot at some depth under the floor, shape (n_frames,), rises: to no more than 3 mm under it."""
-    x = np.clip(depth / _SOFT, 0.0, 1.0)
+@njit(cache=True, nogil=True)
+def _out_of_floor(depth):
+    """Return how far a foot at some depth under the floor rises: to no more than 3 mm under it."""
+    x = min(1.0, max(0.0, depth / _SOFT))
     integral = x**4 * (2.5 - 3.0 * x + x * x)  # of the smooth step
-    return _SOFT * integral + np.maximum(depth - _SOFT, 0.0)
+    return _SOFT * integral + max(depth - _SOFT, 0.0)
 
 
 def _anchors(stances: list[Stance], hold: Hold, ahead: Array) -> Array:

@@ -5,12 +5,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from eigenwalker.motion._quaternions import rotvecs_between
 from eigenwalker.motion.gait_tracking import GaitTrack
 from eigenwalker.motion.leg_reach import reach
 from eigenwalker.motion.legs import LegPose, Legs, pose_legs
 from eigenwalker.motion.planting import Hold, Plan, hold_feet, plan_feet
-from eigenwalker.motion.rotations import rotvecs_of_matrices, unroll_rotvec
-from eigenwalker.motion.support import find_stances, find_support, smooth_step, sole_shares
+from eigenwalker.motion.rotations import unroll_rotvec
+from eigenwalker.motion.support import find_stances, find_support, smooth_step, standing_points
 from eigenwalker.motion.twist import lost_yaw, turn_feet
 
 __all__ = ["plant_as_before"]
@@ -109,8 +110,7 @@ def _find_steps(rotations: NDArray[np.floating], legs: Legs, ahead: Array) -> _S
     stances, stride = find_stances(difference)
     holds = hold_feet(stances, stride, len(rotations))
     twist = lost_yaw(pose, holds)
-    soles = turn_feet(pose, twist).soles
-    plan = plan_feet(stances, stride, holds, find_support(soles), soles[..., 2].min(axis=2))
+    plan = plan_feet(stances, stride, holds, find_support(turn_feet(pose, twist).soles))
     return _Steps(pose, holds, twist, plan)
 
 
@@ -126,8 +126,7 @@ def _reach(
 ) -> None:
     """Let one leg reach for where its foot is shifted to, in the frames in which it lacks that; in place."""
     _, knee, ankle = legs.chain[foot]
-    joints, soles = legs.joints[legs.chain[foot]], pose.soles[:, foot]
-    pivot = (sole_shares(soles[..., 2])[..., np.newaxis] * soles).sum(axis=1) + shift
+    joints = legs.joints[legs.chain[foot]]
     found = reach(
         rotations[:, joints],
         pose.pelvis[:, foot],
@@ -136,7 +135,7 @@ def _reach(
         legs.offsets[ankle],
         pose.ankles[:, foot] + shift,
         pose.feet[:, foot],
-        pivot,
+        standing_points(pose.soles)[:, foot] + shift,
         amount,
         np.zeros(len(rotations)),
         max_knee=max_knee,
@@ -144,6 +143,6 @@ def _reach(
     changed = {int(joint): found.rotations[:, place] for place, joint in enumerate(joints)}
     toes = legs.sole_joints[foot, 2]
     if toes != ankle:  # they stay as they lie when the foot rolls over them
-        changed[int(legs.joints[toes])] = rotvecs_of_matrices(found.foot.transpose(0, 2, 1) @ pose.toes[:, foot])
+        changed[int(legs.joints[toes])] = rotvecs_between(found.foot, pose.toes[:, foot])
     for joint, turning in changed.items():
         rotations[:, joint] = unroll_rotvec(np.where(lacks[:, np.newaxis], turning, rotations[:, joint]))

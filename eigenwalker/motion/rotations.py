@@ -10,14 +10,13 @@ from numba import njit
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
+from eigenwalker.motion._quaternions import from_rotvec, product, to_rotvec
+
 __all__ = [
     "euler_from_rotvec",
     "forward_kinematics",
-    "rotation_matrix",
     "rotvec_from_channels",
     "rotvec_from_euler",
-    "rotvec_of_matrix",
-    "rotvecs_of_matrices",
     "turn_frames",
     "unroll_rotvec",
 ]
@@ -77,8 +76,7 @@ def _rotvec_from_euler(angles, axes):
         w, x, y, z = 1.0, 0.0, 0.0, 0.0
         for j in range(n_axes):
             w, x, y, z = _turn_quaternion(w, x, y, z, axes[j], angles[i, j])
-        scale = _logarithm_scale(w, x, y, z)
-        out[i, 0], out[i, 1], out[i, 2] = scale * x, scale * y, scale * z
+        out[i, 0], out[i, 1], out[i, 2] = to_rotvec((w, x, y, z))
     return out
 
 
@@ -92,14 +90,6 @@ def _turn_quaternion(w, x, y, z, axis, angle):
     if axis == 1:
         return w * c - y * s, x * c - z * s, y * c + w * s, z * c + x * s
     return w * c - z * s, x * c + y * s, y * c - x * s, z * c + w * s
-
-
-@njit(cache=True, nogil=True, inline="always")
-def _logarithm_scale(w, x, y, z):
-    """Return the factor that makes the vector part of a quaternion the exponential map of at most half a turn."""
-    sine = np.sqrt(x * x + y * y + z * z)
-    sign = -1.0 if w < 0 else 1.0
-    return sign * (2.0 if sine < 1e-12 else 2.0 * np.arctan2(sine, sign * w) / sine)
 
 
 def rotvec_from_channels(channels: ArrayLike, columns: Sequence[Sequence[int]], orders: Sequence[str]) -> NDArray:
@@ -146,8 +136,7 @@ def _rotvec_from_channels(channels, columns, axes):
                 column = columns[joint, j]
                 if column >= 0:
                     w, x, y, z = _turn_quaternion(w, x, y, z, axes[joint, j], np.deg2rad(channels[frame, column]))
-            scale = _logarithm_scale(w, x, y, z)
-            out[frame, joint, 0], out[frame, joint, 1], out[frame, joint, 2] = scale * x, scale * y, scale * z
+            out[frame, joint, 0], out[frame, joint, 1], out[frame, joint, 2] = to_rotvec((w, x, y, z))
             if frame > 0:
                 _unroll_one(out, frame, joint)
     return out
@@ -328,27 +317,13 @@ def _turn_frames(rotations, left, right):
     for frame in range(n_frames):
         for joint in range(n_joints):
             x, y, z = rotations[frame, joint]
-            angle = np.sqrt(x * x + y * y + z * z)
-            scale = 0.5 if angle < 1e-12 else np.sin(0.5 * angle) / angle
-            a, b = left[joint], right[joint]
-            w, x, y, z = np.cos(0.5 * angle), scale * x, scale * y, scale * z
-            w, x, y, z = _quaternion_product(a[0], a[1], a[2], a[3], w, x, y, z)
-            w, x, y, z = _quaternion_product(w, x, y, z, b[0], b[1], b[2], b[3])
-            scale = _logarithm_scale(w, x, y, z)
-            out[frame, joint, 0], out[frame, joint, 1], out[frame, joint, 2] = scale * x, scale * y, scale * z
+            a = (left[joint, 0], left[joint, 1], left[joint, 2], left[joint, 3])
+            b = (right[joint, 0], right[joint, 1], right[joint, 2], right[joint, 3])
+            turn = to_rotvec(product(product(a, from_rotvec((x, y, z))), b))
+            out[frame, joint, 0], out[frame, joint, 1], out[frame, joint, 2] = turn
             if frame > 0:
                 _unroll_one(out, frame, joint)
     return out
-
-
-@njit(cache=True, nogil=True, inline="always")
-def _quaternion_product(aw, ax, ay, az, bw, bx, by, bz):
-    return (
-        aw * bw - ax * bx - ay * by - az * bz,
-        aw * bx + ax * bw + ay * bz - az * by,
-        aw * by - ax * bz + ay * bw + az * bx,
-        aw * bz + ax * by - ay * bx + az * bw,
-    )
 
 
 def forward_kinematics(
@@ -380,8 +355,8 @@ def forward_kinematics(
 
 
 @njit(cache=True, nogil=True)
-def rotation_matrix(rotvec, out):
-    """Write Rodrigues' formula into `out`, its series where the angle is too small to divide by (compiled)."""
+def _rotation_matrix(rotvec, out):
+    """Write Rodrigues' formula into `out`, its series where the angle is too small to divide by."""
     x, y, z = rotvec
     squared = x * x + y * y + z * z
     if squared < 1e-8:
@@ -405,41 +380,6 @@ def rotation_matrix(rotvec, out):
 
 
 @njit(cache=True, nogil=True)
-def rotvec_of_matrix(matrix, out):
-    """Write the exponential map of a rotation matrix, of at most half a turn, into `out` (compiled).
-
-    The quaternion is taken from its largest entry, so that no digits are lost at any angle.
-    """
-    m = matrix
-    trace = m[0, 0] + m[1, 1] + m[2, 2]
-    if trace >= max(m[0, 0], m[1, 1], m[2, 2]):
-        w, x, y, z = 1.0 + trace, m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]
-    elif m[0, 0] >= max(m[1, 1], m[2, 2]):
-        w, x, y, z = m[2, 1] - m[1, 2], 1.0 + 2.0 * m[0, 0] - trace, m[0, 1] + m[1, 0], m[0, 2] + m[2, 0]
-    elif m[1, 1] >= m[2, 2]:
-        w, x, y, z = m[0, 2] - m[2, 0], m[0, 1] + m[1, 0], 1.0 + 2.0 * m[1, 1] - trace, m[1, 2] + m[2, 1]
-    else:
-        w, x, y, z = m[1, 0] - m[0, 1], m[0, 2] + m[2, 0], m[1, 2] + m[2, 1], 1.0 + 2.0 * m[2, 2] - trace
-    length = np.sqrt(w * w + x * x + y * y + z * z)
-    w, x, y, z = w / length, x / length, y / length, z / length
-    scale = _logarithm_scale(w, x, y, z)
-    out[0], out[1], out[2] = scale * x, scale * y, scale * z
-
-
-def rotvecs_of_matrices(matrices: NDArray[np.floating]) -> NDArray[np.float64]:
-    """Return the exponential maps, of at most half a turn, of rotation matrices of shape (n_frames, 3, 3)."""
-    return _rotvecs_of_matrices(np.ascontiguousarray(matrices, dtype=np.float64))
-
-
-@njit(cache=True, nogil=True)
-def _rotvecs_of_matrices(matrices):
-    out = np.empty((len(matrices), 3))
-    for i in range(len(matrices)):
-        rotvec_of_matrix(matrices[i], out[i])
-    return out
-
-
-@njit(cache=True, nogil=True)
 def _forward_kinematics(rotations, local_positions, parents):
     n_frames, n_joints, _ = rotations.shape
     positions = np.empty((n_frames, n_joints, 3))
@@ -447,7 +387,7 @@ def _forward_kinematics(rotations, local_positions, parents):
     turn = np.empty((3, 3))
     for frame in range(n_frames):
         for joint in range(n_joints):
-            rotation_matrix(rotations[frame, joint], turn)
+            _rotation_matrix(rotations[frame, joint], turn)
             parent = parents[joint]
             for i in range(3):  # element by element: assigning slices takes seconds to compile
                 if parent < 0:

@@ -5,14 +5,14 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-from scipy.signal import find_peaks
 
-__all__ = ["Stance", "Support", "find_stances", "find_support", "smooth_step", "sole_shares"]
+__all__ = ["Stance", "Support", "find_stances", "find_support", "rise", "smooth_step", "standing_points"]
 
 _PROMINENCE = 0.25  # of the range of left minus right ankle, by which a step stands out from noise
 _STILL = 0.05  # metres of that range below which nobody walks
 _SHARP = 0.00002  # metres of height over which the floor passes from one point of the sole to another
 _SOFT = 0.006  # the same for the height of the body, which would jerk at once
+_NONE = 40.0  # of those heights over the lowest point, where a share is lost in rounding
 
 
 class Stance(NamedTuple):
@@ -41,10 +41,13 @@ class Support(NamedTuple):
         move over the floor: x and y, in metres.
     height : ndarray of shape (n_frames, 2)
         How high the root must be so that the sole of that foot touches the floor, in metres.
+    lowest : ndarray of shape (n_frames, 2)
+        Height of the lowest point of each sole against the root.
     """
 
     advance: NDArray[np.float64]
     height: NDArray[np.float64]
+    lowest: NDArray[np.float64]
 
 
 def find_support(soles: NDArray[np.float64]) -> Support:
@@ -63,17 +66,16 @@ def find_support(soles: NDArray[np.float64]) -> Support:
     return Support(*_support(np.ascontiguousarray(soles, dtype=np.float64), _SHARP, _SOFT))
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _support(soles, sharp, soft):
     n_frames, n_feet, n_points, _ = soles.shape
-    advance, height = np.zeros((max(n_frames - 1, 0), n_feet, 2)), np.empty((n_frames, n_feet))
-    heights, shares = np.empty(n_points), np.empty(n_points)
+    advance, height = np.zeros((max(n_frames - 1, 0), n_feet, 2)), np.zeros((n_frames, n_feet))
+    lowest, heights, shares = np.empty((n_frames, n_feet)), np.empty(n_points), np.empty(n_points)
     for t in range(n_frames):
         for foot in range(n_feet):
             for point in range(n_points):
                 heights[point] = soles[t, foot, point, 2]
-            _share_out(heights, soft, shares)
-            height[t, foot] = 0.0
+            lowest[t, foot] = _share_out(heights, soft, shares)
             for point in range(n_points):  # of points about as low, their mean
                 height[t, foot] -= shares[point] * heights[point]
             if t == n_frames - 1:
@@ -85,33 +87,47 @@ def _support(soles, sharp, soft):
                 for axis in range(2):
                     step = soles[t + 1, foot, point, axis] - soles[t, foot, point, axis]
                     advance[t, foot, axis] -= shares[point] * step
-    return advance, height
+    return advance, height, lowest
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _share_out(heights, scale, shares):
-    """Write shares, counted from the lowest point, so that no exponential overflows."""
+    """Write shares, counted from the lowest point, so that no exponential overflows, and return its height."""
     lowest, total = heights[0], 0.0
     for height in heights:
         lowest = min(lowest, height)
     for point in range(len(heights)):
-        shares[point] = np.exp((lowest - heights[point]) / scale)
+        over = (heights[point] - lowest) / scale
+        shares[point] = np.exp(-over) if over < _NONE else 0.0
         total += shares[point]
     for point in range(len(heights)):
         shares[point] /= total
+    return lowest
 
 
-def sole_shares(heights: NDArray[np.float64], scale: float = _SHARP) -> NDArray[np.float64]:
-    """Return how much of the floor each point of a sole holds, from their heights, shape (..., n_points)."""
-    flat = np.ascontiguousarray(heights, dtype=np.float64).reshape(-1, heights.shape[-1])
-    return _all_shares(flat, scale).reshape(heights.shape)
+def standing_points(soles: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the points on which feet stand, shape (n_frames, 2, 3), or would stand: the mean of those as low.
+
+    Parameters
+    ----------
+    soles : ndarray of shape (n_frames, 2, n_points, 3)
+        In metres.
+    """
+    return _standing_points(np.ascontiguousarray(soles, dtype=np.float64), _SHARP)
 
 
-@njit(cache=True, nogil=True)
-def _all_shares(heights, scale):
-    out = np.empty(heights.shape)
-    for row in range(len(heights)):
-        _share_out(heights[row], scale, out[row])
+@njit(cache=True, nogil=True, error_model="numpy")
+def _standing_points(soles, sharp):
+    n_frames, n_feet, n_points, _ = soles.shape
+    out, heights, shares = np.zeros((n_frames, n_feet, 3)), np.empty(n_points), np.empty(n_points)
+    for t in range(n_frames):
+        for foot in range(n_feet):
+            for point in range(n_points):
+                heights[point] = soles[t, foot, point, 2]
+            _share_out(heights, sharp, shares)
+            for point in range(n_points):
+                for axis in range(3):
+                    out[t, foot, axis] += shares[point] * soles[t, foot, point, axis]
     return out
 
 
@@ -132,9 +148,7 @@ def find_stances(difference: NDArray[np.float64]) -> tuple[list[Stance], float]:
         return [Stance(0, -np.inf, np.inf)], float(len(difference))
     over: list[tuple[float, int]] = []
     for foot, sign in ((0, 1.0), (1, -1.0)):  # the foot ahead takes over
-        ahead = np.pad(sign * difference, 1, constant_values=-np.inf)  # at its ends, one side is enough to stand out
-        peaks = find_peaks(ahead, prominence=_PROMINENCE * reach)[0] - 1
-        peaks = peaks[(peaks > 0) & (peaks < len(difference) - 1)]
+        peaks = _prominent_peaks(sign * difference, _PROMINENCE * reach)
         before, top, after = difference[peaks - 1], difference[peaks], difference[peaks + 1]
         bend = before - 2 * top + after
         shift = np.where(bend == 0, 0.0, 0.5 * (before - after) / np.where(bend == 0, 1.0, bend))
@@ -150,6 +164,40 @@ def find_stances(difference: NDArray[np.float64]) -> tuple[list[Stance], float]:
     return stances, 2 * float(np.median(steps)) if len(steps) else float(len(difference))
 
 
+@njit(cache=True, nogil=True)
+def _prominent_peaks(values, prominence):
+    """Return the frames, but for the first and last one, of peaks that stand out so far on each side of them.
+
+    A side is what lies between a peak and a higher value; one that goes on to the end of the walk always does.
+    """
+    peaks = [0 for _ in range(0)]
+    first, n_frames = 0, len(values)
+    while first < n_frames:
+        last, top = first, values[first]
+        while last + 1 < n_frames and values[last + 1] == top:
+            last += 1
+        peak = (first + last) // 2
+        rises = first == 0 or values[first - 1] < top
+        falls = last == n_frames - 1 or values[last + 1] < top
+        if rises and falls and 0 < peak < n_frames - 1 and _stands_out(values, peak, prominence):
+            peaks.append(peak)
+        first = last + 1
+    return np.array(peaks, dtype=np.int64)
+
+
+@njit(cache=True, nogil=True)
+def _stands_out(values, peak, prominence):
+    top = values[peak]
+    for step in (-1, 1):
+        lowest, frame = top, peak
+        while 0 <= frame < len(values) and values[frame] <= top:
+            lowest = min(lowest, values[frame])
+            frame += step
+        if 0 <= frame < len(values) and top - lowest < prominence:
+            return False
+    return True
+
+
 def smooth_step(values: NDArray[np.floating]) -> NDArray[np.float64]:
     """Return a rise from 0, at and below 0, to 1, at and above 1, with two smooth derivatives."""
     flat = np.ascontiguousarray(values, dtype=np.float64)
@@ -160,6 +208,12 @@ def smooth_step(values: NDArray[np.floating]) -> NDArray[np.float64]:
 def _smooth_step(values):
     out = np.empty(len(values))
     for place in range(len(values)):
-        x = min(1.0, max(0.0, values[place]))
-        out[place] = x * x * x * (10.0 - 15.0 * x + 6.0 * x * x)
+        out[place] = rise(values[place])
     return out
+
+
+@njit(cache=True, nogil=True)
+def rise(value):
+    """Return `smooth_step` of one number (compiled)."""
+    x = min(1.0, max(0.0, value))
+    return x * x * x * (10.0 - 15.0 * x + 6.0 * x * x)

@@ -37,6 +37,7 @@ def synthesize(
     path: ArrayLike | None = None,
     variation: StrideVariation | None = None,
     random_state: int | np.random.RandomState | None = None,
+    speed: float | None = None,
     hold: bool = True,
     max_knee: float = MAX_KNEE,
     phase_reference: str | Mapping[str, float] = "auto",
@@ -63,7 +64,7 @@ def synthesize(
         Whether the walk can be played over and over: a stride has a whole number of frames, which changes the
         frequency by half a frame a stride at most; there are as many whole strides as come nearest to `duration`; and
         the last frame has the pose of the first.
-    travel, heading, curvature, path, hold, max_knee, rig
+    travel, heading, curvature, path, speed, hold, max_knee, rig
         See `plant_feet`. With `path` or `curvature` there is no `loop`.
     variation : StrideVariation, default None
         How strides differ from each other. None makes all of them the same, as in the paper, which names that as its
@@ -112,6 +113,7 @@ def synthesize(
         travel=travel,
         way=find_way(heading=heading, curvature=curvature, path=path),
         variation=variation,
+        speed=speed,
         hold=hold,
         max_knee=max_knee,
         phase_reference=phase_reference,
@@ -133,6 +135,7 @@ class _Order(NamedTuple):
     travel: bool
     way: Way
     variation: StrideVariation | None
+    speed: float | None
     hold: bool
     max_knee: float
     phase_reference: str | Mapping[str, float]
@@ -156,11 +159,13 @@ def _make(walk: JointWalk, order: _Order, seed: int) -> JointWalk:
     times = np.arange(-margin, n_frames + margin) / order.frame_rate
     start = reference_phase(coefficients, weights)
     series = _series(coefficients, start, order.frame_rate / stride, times, order.variation, seed)
+    series.flags.writeable = False  # else the walk keeps a copy
     still = np.zeros((len(times), 3))
-    plain: dict[str, Any] = {"root": still, "translations": {}, "events": (), "speed": float("nan")}
+    plain: dict[str, Any] = {"root": still, "translations": {}, "events": ()}
     long = walk.with_channels(series, frame_rate=order.frame_rate, frequency=order.frame_rate / stride, **plain)
     keep = slice(margin, margin + n_frames)
-    planted, advance = plant_on_way(long, order.way, legs, keep=keep, hold=order.hold, max_knee=order.max_knee)
+    options: dict[str, Any] = {"speed": order.speed, "hold": order.hold, "max_knee": order.max_knee}
+    planted, advance = plant_on_way(long, order.way, legs, keep=keep, **options)
     planted = _closed(planted) if order.loop else planted
     return planted if order.travel else _on_treadmill(planted, advance, order)
 
@@ -204,4 +209,4 @@ def _on_treadmill(walk: JointWalk, advance: float, order: _Order) -> JointWalk:
     else:
         angle = float(order.way.direction(np.zeros(1))[0])
         step = advance * np.array([np.cos(angle), np.sin(angle), 0.0])
-    return replace(walk, root=walk.root - share * step, speed=float(np.hypot(*step[:2])) * walk.frame_rate)
+    return replace(walk, root=walk.root - share * step, speed=walk.size * float(np.hypot(*step[:2])) * walk.frame_rate)

@@ -32,6 +32,47 @@ def test_feet_stand_and_the_body_goes_on():
     assert row.trailing_foot_slide_m < 0.6 * free.trailing_foot_slide_m
 
 
+def _pace(walk):
+    """Return the mean speed of a walk over its whole strides, in m/s."""
+    return float(quality_table([walk]).speed_m_per_s.iloc[0])
+
+
+@pytest.mark.parametrize(("share", "reached"), [(0.9, 0.97), (0.985, 0.985), (1.02, 1.02), (1.5, 1.03)])
+def test_a_walk_goes_at_its_speed_as_far_as_legs_reach(share, reached):
+    """The speed is an argument, or that of the walk; feet stand as well as without."""
+    walk = replace(walker(), size=1.1)
+    usual = plant_feet(walk, travel=False)
+    speed = share * usual.speed
+    planted = plant_feet(walk, speed=speed)
+    assert_allclose(_pace(planted) / _pace(plant_feet(walk)), reached, rtol=2e-3)
+    assert_allclose(plant_feet(walk, speed=speed, travel=False).speed, reached * usual.speed, rtol=1e-9)
+    known = plant_feet(replace(walk, speed=speed))
+    assert_allclose(known.joint_positions(), planted.joint_positions(), atol=0)
+    row = quality_table([planted]).iloc[0]
+    assert row.worst_foot_slip_m_per_step < 1e-3
+    assert row.foot_above_ground_m < 1e-3
+    assert row.foot_below_ground_m < 0.0035
+    assert row.root_jump_m_per_s < 0.5
+
+
+@pytest.mark.parametrize("options", [{}, {"curvature": 0.3}, {"path": [[0, 0], [2, 1], [4, -1]]}])
+def test_the_speed_that_legs_say_changes_nothing(options):
+    walk = walker()
+    own = plant_feet(walk, travel=False).speed
+    expected = plant_feet(walk, **options)
+    for known in (replace(walk, speed=own), walk):
+        planted = plant_feet(known, speed=own, **options)
+        assert_allclose(planted.joint_positions(), expected.joint_positions(), atol=1e-9)
+    legs_say = plant_feet(replace(walk, speed=1.1 * own), speed=np.nan, **options)
+    assert_allclose(legs_say.joint_positions(), expected.joint_positions(), atol=0)
+
+
+def test_without_reaching_a_walk_goes_as_its_legs_say():
+    walk = walker()
+    free = plant_feet(walk, hold=False)
+    assert_allclose(plant_feet(replace(walk, speed=2.0), hold=False).root, free.root, atol=0)
+
+
 @pytest.mark.parametrize("heading", [0.7, -2.0, np.pi])
 def test_another_heading_is_the_same_walk_turned(heading):
     straight, turned = plant_feet(walker()), plant_feet(walker(), heading=heading)
@@ -94,9 +135,10 @@ def test_scissors_step_as_wide_as_they_open():
     assert_allclose(sole_points(planted)[..., 2], 0.0, atol=1e-12)
 
 
-def test_the_root_follows_the_arc():
+@pytest.mark.parametrize("speed", [None, 9.0])
+def test_the_root_follows_the_arc(speed):
     """A circle of 2 m in radius, but for the sway of the pelvis."""
-    planted = plant_feet(walker(600), curvature=0.5)
+    planted = plant_feet(walker(600), curvature=0.5, speed=speed)
     away = np.linalg.norm(planted.root[:, :2] - [0.0, 2.0], axis=1)
     assert_allclose(away, 2.0, atol=0.1)
     footing = find_footing(planted)
@@ -212,6 +254,9 @@ def test_what_cannot_be_planted_is_refused():
     for wrong in (-1.0, np.nan, np.inf):
         with pytest.raises(ValueError, match="max_knee must be finite and not negative"):
             plant_feet(walk, max_knee=wrong)
+    for wrong in (-1.0, 0.0, np.inf):
+        with pytest.raises(ValueError, match="speed must be positive and finite, in m/s, or NaN"):
+            plant_feet(walk, speed=wrong)
     skeleton = walk.skeleton
     parents = np.array(skeleton.parents)
     parents[skeleton.index("LeftToeBase")] = skeleton.index("LeftLeg")

@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
 from eigenwalker.motion import euler_from_rotvec, forward_kinematics, rotvec_from_euler, unroll_rotvec
-from eigenwalker.motion.rotations import rotvec_from_channels, rotvec_of_matrix, rotvecs_of_matrices, turn_frames
+from eigenwalker.motion.rotations import rotvec_from_channels, turn_frames
 
 _angles = st.lists(st.floats(-7, 7), min_size=3, max_size=3)
 
@@ -232,26 +232,3 @@ def test_from_channels_is_from_euler_unrolled():
 
 def test_from_channels_without_any():
     assert rotvec_from_channels(np.ones((3, 1)), [[], []], ["", ""]).tolist() == np.zeros((3, 2, 3)).tolist()
-
-
-_turns = st.floats(0, np.pi) | st.sampled_from([0.0, 1e-300, 1e-12, 1e-9, 1e-5, np.pi - 1e-9, np.pi / 2, np.pi])
-_random_axes = st.integers(0, 10_000).map(lambda seed: np.random.default_rng(seed).normal(size=3))
-_axes = _random_axes | st.sampled_from(tuple(np.eye(3)))
-
-
-@given(angle=_turns, axis=_axes)
-def test_exponential_maps_of_matrices_are_those_of_scipy(angle, axis):
-    """At half a turn either direction will do."""
-    turn = angle * axis / np.linalg.norm(axis)
-    matrix = Rotation.from_rotvec(turn).as_matrix()
-    found = rotvecs_of_matrices(matrix[np.newaxis])[0]
-    assert np.linalg.norm(found) <= np.pi + 1e-12
-    assert min(np.abs(found - sign * turn).max() for sign in (1, -1 if angle > np.pi - 1e-6 else 1)) < 1e-9
-    assert_allclose(Rotation.from_rotvec(found).as_matrix(), matrix, atol=1e-14)
-    out = np.empty(3)
-    rotvec_of_matrix(matrix, out)
-    assert_allclose(out, found, atol=0)
-
-
-def test_no_matrices_have_no_exponential_maps():
-    assert rotvecs_of_matrices(np.zeros((0, 3, 3))).shape == (0, 3)

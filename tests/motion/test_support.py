@@ -7,9 +7,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
+from scipy.signal import find_peaks
 from scipy.spatial.transform import Rotation
 
-from eigenwalker.motion.support import Stance, find_stances, find_support, smooth_step, sole_shares
+from eigenwalker.motion.support import (
+    Stance,
+    _prominent_peaks,
+    find_stances,
+    find_support,
+    smooth_step,
+    standing_points,
+)
 
 
 def _difference(n_frames=200, *, stride=60.0, shift=0.0, reach=0.5, second=0.0):
@@ -114,7 +122,8 @@ def test_a_flat_foot_lies_on_the_floor():
     support = find_support(soles)
     assert_allclose(support.height, 0.9)
     assert_allclose(support.advance, [[[0.1, 0.0]] * 2])
-    assert_allclose(sole_shares(soles[..., 2]), 1 / 3)
+    assert_allclose(support.lowest, -0.9)
+    assert_allclose(standing_points(soles), soles.mean(axis=2))
 
 
 def test_rolling_over_from_heel_to_tip_never_slides():
@@ -130,13 +139,29 @@ def test_rolling_over_from_heel_to_tip_never_slides():
 
 
 @given(seed=st.integers(0, 1000))
-def test_shares_are_shares_whatever_the_heights(seed):
-    heights = np.random.default_rng(seed).normal(scale=10.0 ** (seed % 7 - 4), size=(5, 2, 3))
-    shares = sole_shares(heights)
-    assert_allclose(shares.sum(axis=-1), 1.0)
-    assert (shares >= 0).all()
-    assert_allclose(sole_shares(heights + 900.0), shares, atol=1e-6)  # digits that 900 m leave
-    assert (shares.argmax(axis=-1) == heights.argmin(axis=-1)).all()
+def test_feet_stand_on_their_lowest_point_or_between_two_that_are_as_low(seed):
+    soles = np.random.default_rng(seed).normal(scale=10.0 ** (seed % 7 - 4), size=(5, 2, 3, 3))
+    points = standing_points(soles)
+    assert (points >= soles.min(axis=2) - 1e-12).all()
+    assert (points <= soles.max(axis=2) + 1e-12).all()
+    over = points[..., 2] - soles[..., 2].min(axis=2)
+    assert over.max() < 2e-5  # the height over which the floor passes from point to point
+    apart = np.sort(soles[..., 2], axis=2)
+    clear = apart[..., 1] - apart[..., 0] > 1e-3
+    lowest = np.take_along_axis(soles, soles[..., 2].argmin(axis=2)[..., None, None], axis=2)[:, :, 0]
+    assert_allclose(points[clear], lowest[clear], atol=1e-12)
+    assert_allclose(standing_points(soles + 900.0) - 900.0, points, atol=1e-6)  # digits that 900 m leave
+
+
+@given(seed=st.integers(0, 10_000))
+def test_hand_overs_are_the_prominent_peaks_of_scipy(seed):
+    rng = np.random.default_rng(seed)
+    signal = np.round(_difference(150, shift=rng.uniform(0, 60)) + rng.normal(scale=0.2, size=150), 1)  # with plateaus
+    for values in (signal, -signal):
+        padded = np.pad(values, 1, constant_values=-np.inf)
+        expected = find_peaks(padded, prominence=0.25)[0] - 1
+        expected = expected[(expected > 0) & (expected < 149)]
+        assert _prominent_peaks(values, 0.25).tolist() == expected.tolist()
 
 
 def test_smooth_steps_are_smooth():

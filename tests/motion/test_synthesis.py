@@ -77,6 +77,31 @@ def test_a_loop_in_place_closes():
     assert_allclose(walk.rotations, travelling.rotations)
 
 
+@pytest.mark.parametrize("loop", [False, True])
+def test_a_walk_keeps_its_speed_where_it_is_known(loop):
+    plain = synthesize(walker(), travel=False, loop=loop, duration=4)
+    wanted = 1.02 * plain.speed
+    known = replace(walker(), speed=wanted)
+    still_there, going = (synthesize(known, travel=travel, loop=loop, duration=4) for travel in (False, True))
+    assert_allclose(still_there.speed, wanted, rtol=1e-4)
+    assert_allclose(still_there.rotations, going.rotations)
+    assert np.isnan(going.speed)
+    there = synthesize(known, speed=0.99 * plain.speed, travel=False, loop=loop, duration=4)
+    assert_allclose(there.speed, 0.99 * plain.speed, rtol=1e-4)
+    if loop:
+        assert (going.rotations[-1] == going.rotations[0]).all()
+        assert_allclose(still_there.root[-1], still_there.root[0], atol=1e-12)
+    row = quality_table([synthesize(known)]).iloc[0]
+    assert row.worst_foot_slip_m_per_step < 1e-3
+    assert_allclose(row.speed_m_per_s, wanted, rtol=2e-3)
+
+
+def test_bodies_of_another_size_have_their_speed_in_metres():
+    plain, other = (synthesize(replace(walker(), size=size), travel=False) for size in (1.0, 1.25))
+    assert_allclose(other.speed, 1.25 * plain.speed)
+    assert_allclose(other.root, plain.root)
+
+
 @pytest.mark.parametrize("frame_rate", [24, 30, 120, 240])
 def test_frame_rates_agree_at_common_times(frame_rate):
     """Poses within what a frame of 24 a second may differ in time; paths, over 4 s, by less than 2 %."""
