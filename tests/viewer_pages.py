@@ -10,7 +10,7 @@ import pytest
 from eigenwalker.datasets import make_walkers
 from eigenwalker.model import TraitRegressor, make_eigenwalkers
 
-__all__ = ["POLES", "VIEWER", "four_axes", "launch", "opened", "put", "settle", "start_again"]
+__all__ = ["POLES", "VIEWER", "four_axes", "launch", "opened", "put", "settle", "start_again", "wait_until"]
 
 POLES = {
     "gender": ("female", "male"),
@@ -85,3 +85,12 @@ def put(folder, shown, name="walker.html"):
 def settle(page):
     """Wait until everything is drawn."""
     page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
+
+def wait_until(page, happened, *, seconds=10):
+    """Wait until a function says that something has happened, on the page or here because of it."""
+    for _ in range(50 * seconds):
+        if happened():
+            return
+        page.wait_for_timeout(20)
+    pytest.fail(f"nothing happened for {seconds} s")

@@ -1,12 +1,13 @@
-"""One fitted model for all displays of statistics, one walker for all point-light displays."""
+"""One fitted model for all displays of statistics, one walker for all point-light displays, one browser a module."""
 
 import numpy as np
 import pytest
 
 from eigenwalker.datasets import make_walkers
-from eigenwalker.display import PointLightDisplay
+from eigenwalker.display import PointLightDisplay, view
 from eigenwalker.model import TraitRegressor, make_eigenwalkers
 from tests.synthetic import make_walk
+from tests.viewer_pages import four_axes, launch, opened, put, start_again
 
 POLES = {"gender": ("female", "male"), "happy": ("sad", "happy")}
 
@@ -31,3 +32,27 @@ def walk():
 @pytest.fixture(scope="session")
 def walker(walk):
     return PointLightDisplay.from_walk(walk)
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with launch() as browser:
+        yield browser
+
+
+@pytest.fixture(scope="module")
+def address(tmp_path_factory):
+    """Return where the page of the model with four axes is."""
+    return put(tmp_path_factory.mktemp("pages"), view(*four_axes()))
+
+
+@pytest.fixture(scope="module")
+def open_page(browser, address):
+    with opened(browser, address) as page:
+        yield page
+
+
+@pytest.fixture
+def page(open_page):
+    """Return this page in the state in which it was opened."""
+    return start_again(open_page)

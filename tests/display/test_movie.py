@@ -7,7 +7,6 @@ import subprocess
 import sys
 from dataclasses import replace
 from fractions import Fraction
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -281,7 +280,6 @@ def test_an_interrupted_movie_leaves_the_old_one(walker, tmp_path, monkeypatch):
 
 # ---- in a browser
 
-CHROMIUM = Path("/usr/bin/chromium")
 PLAY = """async (moment) => {
     const video = document.querySelector('video');
     video.muted = true;
@@ -298,17 +296,6 @@ PLAY = """async (moment) => {
     const gray = [...context.getImageData(0, 0, frame.width, frame.height).data].filter((_, i) => i % 4 == 0);
     return {duration: video.duration, time, width: frame.width, height: frame.height, gray};
 }"""
-
-
-@pytest.fixture(scope="module")
-def browser():
-    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-    if not CHROMIUM.exists():
-        pytest.skip(f"no browser at {CHROMIUM}")
-    with playwright.sync_playwright() as running:
-        browser = running.chromium.launch(executable_path=str(CHROMIUM), args=["--no-sandbox"])
-        yield browser
-        browser.close()
 
 
 def test_a_movie_plays_in_chromium(browser, apart, tmp_path):

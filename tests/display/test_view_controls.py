@@ -10,34 +10,10 @@ import pytest
 from matplotlib.image import imread
 from numpy.testing import assert_allclose
 
-from eigenwalker.display import view
 from eigenwalker.model import axis_features
-from tests.viewer_pages import POLES, VIEWER, four_axes, launch, opened, put, settle, start_again
+from tests.viewer_pages import POLES, VIEWER, four_axes, opened, settle, wait_until
 
 TRAITS = list(POLES)
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with launch() as browser:
-        yield browser
-
-
-@pytest.fixture(scope="module")
-def address(tmp_path_factory):
-    model, walks = four_axes()
-    return put(tmp_path_factory.mktemp("pages"), view(model, walks))
-
-
-@pytest.fixture(scope="module")
-def open_page(browser, address):
-    with opened(browser, address) as page:
-        yield page
-
-
-@pytest.fixture
-def page(open_page):
-    return start_again(open_page)
 
 
 def _get(page, what):
@@ -220,8 +196,7 @@ def test_play_and_pause(browser, address):
         button = page.locator(".play")
         assert button.get_attribute("aria-label") == "Pause"
         before = _get(page, "walker.phase")
-        page.wait_for_timeout(200)
-        assert _get(page, "walker.phase") != before
+        wait_until(page, lambda: _get(page, "walker.phase") != before)
         button.click()
         assert button.get_attribute("aria-label") == "Play"
         before = _get(page, "walker.phase")

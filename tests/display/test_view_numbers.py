@@ -12,33 +12,10 @@ from eigenwalker import read_walk, walk_at
 from eigenwalker.display import project, view
 from eigenwalker.model import OutsideDataWarning, TraitRegressor, make_eigenwalkers
 from eigenwalker.motion import evaluate_harmonics, fit_harmonics
-from tests.viewer_pages import POLES, VIEWER, four_axes, launch, opened, put, settle, start_again
+from tests.viewer_pages import POLES, VIEWER, four_axes, opened, put, settle
 
 TRAITS = list(POLES)
 DRAWN = f"() => {{ const {{ walker }} = {VIEWER}; return [[...walker.shown], [...walker.alphas], walker.frequency]; }}"
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with launch() as browser:
-        yield browser
-
-
-@pytest.fixture(scope="module")
-def address(tmp_path_factory):
-    model, walks = four_axes()
-    return put(tmp_path_factory.mktemp("pages"), view(model, walks))
-
-
-@pytest.fixture(scope="module")
-def open_page(browser, address):
-    with opened(browser, address) as page:
-        yield page
-
-
-@pytest.fixture
-def page(open_page):
-    return start_again(open_page)
 
 
 def _as_shown(model, walk):

@@ -15,19 +15,7 @@ import pytest
 from eigenwalker import FourierLinearizer, make_eigenwalkers
 from eigenwalker.display import view
 from eigenwalker.model import TraitRegressor
-from tests.viewer_pages import VIEWER, four_axes, launch, opened, put, settle
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with launch() as browser:
-        yield browser
-
-
-@pytest.fixture(scope="module")
-def address(tmp_path_factory):
-    model, walks = four_axes()
-    return put(tmp_path_factory.mktemp("pages"), view(model, walks))
+from tests.viewer_pages import VIEWER, four_axes, opened, put, settle
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ import pytest
 
 from eigenwalker import walk_at
 from eigenwalker.display import view
-from tests.viewer_pages import four_axes, launch, settle
+from tests.viewer_pages import four_axes, settle, wait_until
 
 anywidget = pytest.importorskip("anywidget", reason="the extra notebook is not installed")
 
@@ -54,12 +54,6 @@ window.show = async (state) => {
 };
 document.addEventListener("keydown", (event) => event.preventDefault());
 """
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with launch() as browser:
-        yield browser
 
 
 @pytest.fixture
@@ -110,19 +104,17 @@ def test_alphas_come_from_the_browser(page, shown):
     seen = []
     shown.widget().observe(lambda change: seen.append(change["new"]), "alphas")
     page.locator(".trait .range").nth(3).press("ArrowRight")
-    page.wait_for_timeout(100)
-    assert list(shown.alphas) == ["happy", "nervous"]
+    wait_until(page, lambda: list(shown.alphas) == ["happy", "nervous"])
     assert shown.alphas["happy"] == 2
     assert seen[-1] == shown.alphas
     page.get_by_label("hold happy").uncheck()
-    page.wait_for_timeout(100)
-    assert list(shown.alphas) == ["nervous"]
+    wait_until(page, lambda: list(shown.alphas) == ["nervous"])
 
 
 def test_the_alphas_in_python_are_the_walk_on_the_page(page, shown):
     model, _ = four_axes()
     page.locator(".trait .range").first.press("ArrowLeft")
-    page.wait_for_timeout(100)
+    wait_until(page, lambda: "gender" in shown.alphas)
     points = page.evaluate(
         "() => { const v = document.querySelector('.eigenwalker').viewer; return [...v.walker.shown] }"
     )
