@@ -140,7 +140,7 @@ def plant_on_way(
     holds = hold_feet(stances, stride, walk.n_frames) if hold else []
     pose = untwist_feet(pose, holds) if hold else pose
     wanted = (walk.speed if speed is None else speed) / (walk.size * walk.frame_rate)
-    plan = plan_feet(stances, stride, holds, find_support(pose.soles), speed=wanted)
+    plan = plan_feet(stances, stride, holds, find_support(pose.soles), frame_rate=walk.frame_rate, speed=wanted)
     frames = slice(0, walk.n_frames) if keep is None else keep
     start = plan.root[frames.start] * [1.0, 1.0, 0.0]
     plan = plan._replace(

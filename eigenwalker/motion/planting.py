@@ -10,6 +10,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from eigenwalker.motion.softening import soften_path
 from eigenwalker.motion.support import Stance, Support, rise, smooth_step
 
 __all__ = ["Hold", "Plan", "hold_feet", "plan_feet"]
@@ -124,6 +125,7 @@ def plan_feet(
     holds: list[Hold],
     support: Support,
     *,
+    frame_rate: float = math.nan,
     speed: float = math.nan,
 ) -> Plan:
     """Return where the root goes, and what the feet lack to stand still.
@@ -146,6 +148,8 @@ def plan_feet(
         From `hold_feet`; none where no leg will reach, then shifts and anchors are zero.
     support : Support
         From `find_support`.
+    frame_rate : float, default NaN
+        Frames per second, by which a body whose legs reach is kept from jolts, see `soften_path`. NaN lets it be.
     speed : float, default NaN
         In metres a frame, what is wanted of feet that are held. NaN is as the legs say.
     """
@@ -158,6 +162,9 @@ def plan_feet(
     root = np.zeros((n_frames, 3))
     np.cumsum(steps, axis=0, out=root[1:, :2])
     root[:, 2] = left * support.height[:, 0] + (1 - left) * support.height[:, 1]
+    if holds and frame_rate > 0:
+        root = soften_path(root, frame_rate, stride)
+        steps = np.diff(root[:, :2], axis=0)
     shifts, anchors = np.zeros((n_frames, 2, 3)), np.zeros((n_frames, 2))
     for foot, hold in enumerate(holds):
         slide = steps - support.advance[:, foot]
