@@ -35,6 +35,7 @@ class FittedGaitMixin:
     template_: JointWalk | None
     frame_rate: float | None
     frame_rate_: float
+    walking_speed_: float
     windows: Sequence[Sequence[float]] | None
     is_canonical_: bool
     means_: NDArray[np.float64]
@@ -163,7 +164,8 @@ class FittedGaitMixin:
         name : str, default ""
             Of the walk.
         **planting
-            `travel`, `heading`, `curvature`, `path`, `hold`, `max_knee`, `rig` of `plant_feet`.
+            `travel`, `heading`, `curvature`, `path`, `hold`, `max_knee`, `rig` of `plant_feet`. The walk goes at the
+            mean speed of the walks as far as legs reach.
 
         Returns
         -------
@@ -191,7 +193,8 @@ class FittedGaitMixin:
         )
         if self.template_ is None:
             return channels
-        return plant_feet(fill_template(self.template_, channels, frame_rate=self.frame_rate_, name=name), **planting)
+        fields = {"frame_rate": self.frame_rate_, "speed": speed * self.walking_speed_, "name": name}
+        return plant_feet(fill_template(self.template_, channels, **fields), **planting)
 
     def _warn_of_canonical(self) -> None:
         if self.is_canonical_:

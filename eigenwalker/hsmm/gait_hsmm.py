@@ -13,7 +13,7 @@ from eigenwalker.hsmm.average_model import Floors, TrainedStates, train_states, 
 from eigenwalker.hsmm.fitted_gait import FittedGaitMixin, Labels, Walks
 from eigenwalker.hsmm.gait_states import GaitStates
 from eigenwalker.hsmm.global_variance import measure_global_variance
-from eigenwalker.hsmm.labeled_walks import LabeledWalk, check_collection, common_frame_rate, label_walks
+from eigenwalker.hsmm.labeled_walks import LabeledWalk, check_collection, common_frame_rate, label_walks, mean_speed
 from eigenwalker.hsmm.style_adaptation import adapt_model
 from eigenwalker.hsmm.transforms import identity_transform
 from eigenwalker.motion.template import one_frame
@@ -90,6 +90,8 @@ class GaitHSMM(FittedGaitMixin, BaseEstimator):
         Of the last training.
     is_canonical_ : bool
         Whether training was walker-adaptive, and `adapt` has not followed.
+    walking_speed_ : float
+        Mean of the walks, in m/s; NaN where unknown.
     frame_rate_ : float
         Frames per second; NaN of arrays.
     template_ : JointWalk or None
@@ -210,7 +212,7 @@ class GaitHSMM(FittedGaitMixin, BaseEstimator):
                 n_jobs=self.n_jobs,
                 report=self._report if self.verbose else None,
             )
-        self.is_canonical_ = walkers is not None
+        self.is_canonical_, self.walking_speed_ = walkers is not None, mean_speed(walks)
         self._keep(trained, labeled)
         return self
 
@@ -279,7 +281,7 @@ class GaitHSMM(FittedGaitMixin, BaseEstimator):
         )
         style = copy(self)
         style._keep_states(adapted)
-        style.is_canonical_ = False
+        style.is_canonical_, style.walking_speed_ = False, mean_speed(X)
         style.adaptation_ = report
         own = measure_global_variance([walk.inner_channels() for walk in walks]).means
         style.global_variance_ = np.array([own, self.global_variance_[1] * (own / self.global_variance_[0]) ** 2])

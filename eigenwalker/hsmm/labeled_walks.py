@@ -13,7 +13,7 @@ from eigenwalker.motion.filtering import resample
 from eigenwalker.motion.template import check_alike
 from eigenwalker.motion.walk import JointWalk
 
-__all__ = ["LabeledWalk", "check_collection", "common_frame_rate", "label_like", "label_walks"]
+__all__ = ["LabeledWalk", "check_collection", "common_frame_rate", "label_like", "label_walks", "mean_speed"]
 
 
 class LabeledWalk(NamedTuple):
@@ -97,6 +97,12 @@ def common_frame_rate(walks: Sequence[JointWalk]) -> float:
             "second; dynamics and durations count in frames: give frame_rate=..., to which all are resampled"
         )
     return rate
+
+
+def mean_speed(walks: Sequence[object]) -> float:
+    """Return the mean speed of the walks whose speed is known, in m/s; NaN if there are none."""
+    speeds = [walk.speed for walk in walks if isinstance(walk, JointWalk) and np.isfinite(walk.speed)]
+    return float(np.mean(speeds)) if speeds else float("nan")
 
 
 def label_walks(

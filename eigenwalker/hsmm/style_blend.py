@@ -70,6 +70,7 @@ def blend(one: GaitHSMM, other: GaitHSMM, weight: float) -> GaitHSMM:
     tiny = np.finfo(np.float64).tiny
     mine_over_time, theirs_over_time = (np.log(np.maximum(model.global_variance_, tiny)) for model in (one, other))
     blended.global_variance_ = np.exp(_along(mine_over_time, theirs_over_time, weight))
+    blended.walking_speed_ = float(_along(np.array(one.walking_speed_), np.array(other.walking_speed_), weight))
     blended.is_canonical_ = one.is_canonical_ and other.is_canonical_
     return blended
 

@@ -1,6 +1,7 @@
 """Models of styles: what adaptation gains, how weights are chosen, blends, and styles told apart by likelihood."""
 
 import pickle
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from sklearn.base import clone
 
 from eigenwalker.hsmm import GaitHSMM, StyleClassifier, blend, make_labels
 from eigenwalker.hsmm.gait_generation import moments_in_channels
+from eigenwalker.motion import quality_table
 from tests.hsmm.walking import shaken_walks, step_arrays
 
 METHODS = ("csmaplr+map", "csmaplr", "cmllr+map", "cmllr", "map")
@@ -168,3 +170,13 @@ def test_one_style_is_none(bent):
         StyleClassifier().fit(bent[:2], ["bent"] * 2)
     with pytest.raises(ValueError, match="a style for each of the 2 walks"):
         StyleClassifier().fit(bent[:2], ["bent"])
+
+
+def test_new_walks_go_as_fast_as_those_of_the_style(average, bent):
+    known = [replace(walk, speed=0.9) for walk in bent[:2]]
+    style = average.adapt(known, transform_weight=100.0, map_weight=30.0)
+    unknown = average.adapt(bent[:2], transform_weight=100.0, map_weight=30.0)
+    assert style.walking_speed_ == pytest.approx(0.9)
+    assert np.isnan(unknown.walking_speed_)
+    speeds = [quality_table([model.synthesize(8)])["speed_m_per_s"][0] for model in (style, unknown)]
+    assert abs(speeds[0] - 0.9) <= abs(speeds[1] - 0.9)
