@@ -31,6 +31,8 @@ __all__ = ["Floors", "TrainedStates", "observe_walks", "train_states", "train_wa
 
 Array = NDArray[np.float64]
 
+_LEAST = 1e-12  # of floors of trees, where there are none: their Gaussians need one
+
 
 class Floors(NamedTuple):
     """Least variances, see `variance_floors`.
@@ -215,8 +217,8 @@ def _tie(
     center, _ = overall_moments(observed)
     centered = [walk._replace(observations=walk.observations - center) for walk in observed]
     sums = expect_all(centered, parameters._replace(means=parameters.means - center), n_jobs)
-    states = tie_states(sums, CONTEXTS, floors=least, penalty=penalty)
-    durations = tie_durations(sums, CONTEXTS, floor=floors.duration, penalty=penalty)
+    states = tie_states(sums, CONTEXTS, floors=np.maximum(least, _LEAST), penalty=penalty)
+    durations = tie_durations(sums, CONTEXTS, floor=max(floors.duration, _LEAST), penalty=penalty)
     pooled = sums._replace(
         counts=pool_rows(sums.counts, states.states, states.n_tied),
         sums=pool_rows(sums.sums, states.states, states.n_tied),

@@ -47,10 +47,10 @@ class GaitHSMM(FittedGaitMixin, BaseEstimator):
         were never seen have states as well; as the six that were left in the paper; not at all.
     tying_penalty : float, default 1.0
         Of the description length: more ties more.
-    variance_floor : float, default 0.01
+    variance_floor : float, default 0.001
         Least variance of a state, as a share of the feature's variance over all frames.
-    absolute_floor : float, default 1e-06
-        Least variance in squared units of the channels, for those that hardly move: in radians the square of 0.06
+    absolute_floor : float, default 1e-07
+        Least variance in squared units of the channels, for those that hardly move: in radians the square of 0.02
         degrees.
     duration_floor : float, default 1.0
         Least variance of a duration, in frames squared.
@@ -120,8 +120,8 @@ class GaitHSMM(FittedGaitMixin, BaseEstimator):
         windows: Sequence[Sequence[float]] | None = None,
         tying: str | None = "tree",
         tying_penalty: float = 1.0,
-        variance_floor: float = 0.01,
-        absolute_floor: float = 1e-6,
+        variance_floor: float = 0.001,
+        absolute_floor: float = 1e-7,
         duration_floor: float = 1.0,
         walker_weight: float = 1000.0,
         max_iter: int = 20,

@@ -93,7 +93,8 @@ def fit_walker_adaptive(
     windows : sequence of sequences of float, default WINDOWS
         Coefficients of the windows that the observations are made of.
     floors, duration_floor : array-like of shape (n_features,), default 0.0, and float, default 0.0
-        As of `maximize_likelihood`. Without floors the objective never falls.
+        As of `maximize_likelihood`. Real walks need them: some combination of many channels hardly moves, and a
+        transform that blows it up has any likelihood.
     max_condition : float, default 1e4
         As of `estimate_transform`.
     max_iter : int, default 20
@@ -145,7 +146,11 @@ def fit_walker_adaptive(
     ]
     states, transforms, objectives, converged = _iterate(
         centered,
-        parameters._replace(means=parameters.means - center),
+        parameters._replace(
+            means=parameters.means - center,
+            variances=np.maximum(parameters.variances, floors),
+            duration_variances=np.maximum(parameters.duration_variances, duration_floor),
+        ),
         plan,
         floors=floors,
         duration_floor=duration_floor,
@@ -202,6 +207,8 @@ def _iterate(
             units=plan.units,
             duration_units=plan.duration_units,
             windows=plan.windows,
+            floors=floors,
+            duration_floor=duration_floor,
         )
     return states, transforms, np.array(objectives), converged
 

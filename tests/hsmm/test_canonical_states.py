@@ -101,6 +101,20 @@ def test_all_equally_likely_states_become_the_same():
         assert_allclose(third, one, rtol=1e-9)
 
 
+def test_floors_hold():
+    """Where a variance is at its floor channels may grow but not shrink; what is nearest given that is taken."""
+    _, parameters, walkers, settings = _world(4)
+    free, _ = nearest_to_identity(parameters, walkers, **settings)
+    for floors in (0.9 * parameters.variances.min(axis=0), parameters.variances.min(axis=0)):
+        held, moved = nearest_to_identity(
+            parameters, walkers, floors=floors, duration_floor=parameters.duration_variances.min(), **settings
+        )
+        assert (held.variances >= floors * (1 - 1e-12)).all()
+        assert held.duration_variances.min() >= parameters.duration_variances.min() * (1 - 1e-12)
+        assert (held.variances >= free.variances * (1 - 1e-12)).all()
+        assert _distance(moved, settings) <= _distance(walkers, settings)
+
+
 def test_one_walker_without_coupling_becomes_the_identity():
     _, parameters, _, settings = _world(3)
     scaled = ChannelTransform(np.diag([3.0, 0.2]), np.array([1.0, -4.0]))
