@@ -3,6 +3,7 @@
 import shutil
 import subprocess
 from collections.abc import Iterable
+from contextlib import suppress
 from fractions import Fraction
 from pathlib import Path
 from tempfile import TemporaryFile
@@ -63,7 +64,7 @@ def encode_mp4(pictures: Iterable[NDArray[np.uint8]], path: Path, *, rate: Fract
     ImportError, OSError
         If there is no ffmpeg; if it fails, with its words.
     """
-    source = ["-f", "rawvideo", "-pix_fmt", "yuv420p", "-s", "{}x{}".format(*size), "-framerate", str(rate), "-i", "-"]
+    source = ["-f", "rawvideo", "-pix_fmt", "yuv420p", "-s", "{}x{}".format(*size), "-r", str(rate), "-i", "-"]
     command = [find_ffmpeg(), "-v", "error", "-y", *source, *_QUALITY, *_SHOWN, "-f", "mp4", str(path)]
     with TemporaryFile() as words:  # a pipe for them could fill, and stop it
         process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=words)
@@ -82,9 +83,12 @@ def encode_mp4(pictures: Iterable[NDArray[np.uint8]], path: Path, *, rate: Fract
 def _feed(process: subprocess.Popen[bytes], pictures: Iterable[NDArray[np.uint8]], no_color: bytes) -> None:
     assert process.stdin is not None  # it was asked for
     try:
-        with process.stdin:
-            for picture in pictures:
+        for picture in pictures:  # whose own errors are not ffmpeg's
+            try:
                 process.stdin.write(picture.data)
                 process.stdin.write(no_color)
-    except OSError:  # ffmpeg gave up, and says why
-        pass
+            except OSError:  # ffmpeg gave up, and says why
+                return
+    finally:
+        with suppress(OSError):
+            process.stdin.close()

@@ -321,3 +321,12 @@ def test_a_gif_is_shown_in_chromium(browser, apart, tmp_path):
     page.evaluate("document.images[0].decode()")
     assert tuple(page.evaluate("['naturalWidth', 'naturalHeight'].map(side => document.images[0][side])")) == SMALL.size
     page.close()
+
+
+def test_an_error_of_the_drawing_is_not_taken_for_one_of_ffmpeg(tmp_path):
+    def pictures():
+        yield np.full((32, 32), 16, dtype=np.uint8)
+        raise OSError("the disk with the pictures is gone")
+
+    with pytest.raises(OSError, match="the disk with the pictures is gone"):
+        encode_mp4(pictures(), tmp_path / "broken.mp4", rate=Fraction(25), size=(32, 32))
