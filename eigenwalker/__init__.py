@@ -6,6 +6,7 @@ every step inverts, so that a position on a trait axis becomes a walk again.
 
 from eigenwalker._validation import WalkError
 from eigenwalker.datasets import make_walkers
+from eigenwalker.hsmm import GaitHSMM, StyleClassifier
 from eigenwalker.io import read_walk, read_walks, write_walk
 from eigenwalker.model import (
     BlockScaler,
@@ -26,9 +27,11 @@ __all__ = [
     "TROJE15",
     "BlockScaler",
     "FourierLinearizer",
+    "GaitHSMM",
     "JointWalk",
     "MarkerSet",
     "Skeleton",
+    "StyleClassifier",
     "TraitClassifier",
     "TraitRegressor",
     "Walk",

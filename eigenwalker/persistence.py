@@ -20,14 +20,19 @@ import sklearn
 from sklearn.base import BaseEstimator
 from sklearn.exceptions import InconsistentVersionWarning
 
+from eigenwalker.hsmm import GaitHSMM, StyleClassifier
+from eigenwalker.hsmm.context_trees import ContextTree, Question, Split
 from eigenwalker.model import BlockScaler, FourierLinearizer, TraitClassifier, TraitRegressor
 from eigenwalker.model._labels import Coding
 from eigenwalker.motion import JointWalk, MarkerSet, Skeleton, Walk, WalkPreparer
 
 __all__ = ["describe_model", "load_model", "save_model"]
 
-_ESTIMATORS = (BlockScaler, FourierLinearizer, TraitClassifier, TraitRegressor, WalkPreparer)
-_HELD = (Coding, JointWalk, MarkerSet, Skeleton, Walk)  # by fitted estimators
+_ESTIMATORS = (
+    *(BlockScaler, FourierLinearizer, GaitHSMM, StyleClassifier, TraitClassifier, TraitRegressor),
+    WalkPreparer,
+)
+_HELD = (Coding, ContextTree, JointWalk, MarkerSet, Question, Skeleton, Split, Walk)  # by fitted estimators
 _TRUSTED = frozenset(f"{part.__module__}.{part.__name__}" for part in (*_ESTIMATORS, *_HELD))
 # What models are made of. skops' other nodes call what they hold, unpack archives, or set a random state past its end.
 _NODES = frozenset(

@@ -55,12 +55,23 @@ def test_readme_lists_all_formats():
         assert use[1] == ("read, write" if ending in WRITERS else "read")
 
 
-def test_readme_options_are_there(capsys):
-    section = README.partition("## Any recording")[2].partition("\n## ")[0]
+@pytest.mark.parametrize(("title", "command"), [("Any recording", "fit"), ("Gait models from a dozen steps", "style")])
+def test_readme_options_are_there(capsys, title, command):
+    section = README.partition(f"## {title}\n")[2].partition("\n## ")[0]
     with pytest.raises(SystemExit):
-        main(["fit", "--help"])
+        main([command, "--help"])
     printed = capsys.readouterr().out
-    assert not [option for option in re.findall(r"--[a-z][a-z-]+", section) if option not in printed]
+    named = re.findall(r"--[a-z][a-z-]+", section)
+    assert named
+    assert not [option for option in named if option not in printed]
+
+
+def test_readme_names_all_commands(capsys):
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    commands = re.findall(r"^    ([a-z]+) ", capsys.readouterr().out, flags=re.MULTILINE)
+    row = README.partition("| `eigenwalker` (command) | ")[2].partition(" |")[0]
+    assert row == ", ".join(f"`{command}`" for command in commands)
 
 
 def test_synthetic_recordings_of_the_notebooks(tmp_path):

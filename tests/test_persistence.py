@@ -22,7 +22,7 @@ import pandas as pd
 import pytest
 import sklearn
 import skops.io
-from numpy.testing import assert_array_equal
+from numpy.testing import assert_array_equal, assert_equal
 from sklearn.base import BaseEstimator, clone
 from sklearn.decomposition import PCA
 from sklearn.ensemble import RandomForestClassifier
@@ -34,8 +34,10 @@ import eigenwalker
 from eigenwalker import (
     BlockScaler,
     FourierLinearizer,
+    GaitHSMM,
     JointWalk,
     Skeleton,
+    StyleClassifier,
     TraitClassifier,
     TraitRegressor,
     WalkPreparer,
@@ -45,7 +47,9 @@ from eigenwalker import (
     persistence,
     save_model,
 )
+from eigenwalker.hsmm import WINDOWS, blend, make_labels
 from eigenwalker.persistence import describe_model
+from tests.hsmm.walking import shaken_walks, step_arrays
 from tests.joint_bodies import over_floor, swinging
 from tests.mutated_files import memory_limit
 from tests.mutations import mutate_json
@@ -120,6 +124,38 @@ def _fit(scaling, trait, walkers):
     return model.fit(walkers.data, labels, **groups), walkers.data
 
 
+def _gait_walks():
+    """Return plain walks, and walks on bent knees."""
+    return shaken_walks(3), shaken_walks(2, first=20, bend=0.3, frequency=0.75)
+
+
+def _fit_gait(_, **parameters):
+    plain, _ = _gait_walks()
+    return GaitHSMM(**parameters).fit(plain), plain
+
+
+def _adapt_gait(_, **options):
+    plain, bent = _gait_walks()
+    return GaitHSMM().fit(plain).adapt(bent, **options), bent
+
+
+def _adapt_people(_):
+    plain, bent = _gait_walks()
+    return GaitHSMM(max_iter=2).fit([*plain, *bent], walkers=["a", "a", "a", 7, 7]).adapt(bent[:1]), bent
+
+
+def _blend_gaits(_):
+    plain, bent = _gait_walks()
+    average = GaitHSMM().fit(plain)
+    return blend(average, average.adapt(bent[:1]), 1.5), plain
+
+
+def _fit_styles(_):
+    plain, bent = _gait_walks()
+    classifier = StyleClassifier(GaitHSMM(n_states=4, windows=WINDOWS), adapt_to=1)
+    return classifier.fit([*plain, *bent], ["plain"] * 3 + ["bent"] * 2), bent
+
+
 def _on_scores(estimator, kind=None):
     scores, labels = _scores()
     return lambda _: (estimator.fit(scores, labels[:, 0] if kind is None else np.where(labels[:, 0], *kind)), scores)
@@ -134,6 +170,13 @@ MODELS = {
     "labels true and false": _on_scores(TraitClassifier()),
     "labels true and false, regressed": _on_scores(TraitRegressor()),
     "labels 0 and 1": _on_scores(TraitClassifier(), (0, 1)),
+    "GaitHSMM": partial(_fit_gait, frame_rate=60.0),
+    "GaitHSMM untied": partial(_fit_gait, tying=None, windows=WINDOWS),
+    "GaitHSMM adapted": partial(_adapt_gait, n_classes=2, map_weight=30.0, max_iter=1),
+    "GaitHSMM adapted with MAP": partial(_adapt_gait, method="map", map_weight=10.0),
+    "GaitHSMM of people, adapted": _adapt_people,
+    "GaitHSMM blended": _blend_gaits,
+    "StyleClassifier": _fit_styles,
     "joint walks": _fit_joints,
     "joint recordings": _fit_joint_recordings,
     "recordings": _fit_recordings,
@@ -249,6 +292,9 @@ def _assert_same(got, expected):
     assert type(got) is type(expected)
     if isinstance(got, pd.DataFrame):
         pd.testing.assert_frame_equal(got, expected)
+    elif isinstance(got, list) and isinstance(got[0], np.ndarray):
+        for array, other in zip(got, expected, strict=True):
+            assert_array_equal(array, other)
     elif isinstance(got, list):
         for walk, other in zip(got, expected, strict=True):
             assert type(walk) is type(other)
@@ -276,6 +322,67 @@ def test_prepared_joints_come_back(models, path):
     assert template.skeleton.upright
     assert template.channel_joints == model["linearizer"].template_.channel_joints
     assert template.phase_channels == {"LeftUpLeg_y": -1.0, "RightUpLeg_y": 1.0}
+
+
+@pytest.mark.parametrize("name", [name for name in MODELS if name.startswith("GaitHSMM")])
+def test_gait_models_score_and_walk_as_before(models, path, name):
+    """To the last bit: likelihoods, trees, how it was adapted, and walks that are made, drawn and blended."""
+    model, walks = models[name]
+    save_model(model, path)
+    loaded = load_model(path)
+    assert set(vars(loaded)) == set(vars(model))
+    for attribute in set(vars(model)) - {"template_"}:
+        assert_equal(getattr(loaded, attribute), getattr(model, attribute))
+    assert loaded.means_.dtype == model.means_.dtype
+    assert loaded.trees_ == model.trees_
+    assert [str(tree) for tree in loaded.trees_] == [str(tree) for tree in model.trees_]
+    assert loaded.score(walks) == model.score(walks)
+    steps = {"n_steps": 4, "first": "left"}  # which an untied model has seen
+    assert_array_equal(loaded.sample(**steps, random_state=0)[0], model.sample(**steps, random_state=0)[0])
+    for options in ({}, {"global_variance": None, "durations": "sample", "random_state": 3, "travel": False}):
+        new, expected = (one.synthesize(**steps, **options) for one in (loaded, model))
+        assert_array_equal(new.rotations, expected.rotations)
+        assert_array_equal(new.root, expected.root)
+
+
+def test_a_loaded_gait_model_is_adapted_and_blended(models, path):
+    model, walks = models["GaitHSMM"]
+    save_model(model, path)
+    _, bent = _gait_walks()
+    adapted = [average.adapt(bent[:1]) for average in (load_model(path), model)]
+    assert adapted[0].score(bent) == adapted[1].score(bent)
+    mixed = [blend(load_model(path), style, 0.5) for style in adapted]
+    assert mixed[0].score(walks) == mixed[1].score(walks)
+
+
+def test_gait_models_of_arrays_come_back(path):
+    """They have no template and no frame rate."""
+    arrays, _ = step_arrays(4)
+    labels = [make_labels(8)] * 4
+    model = GaitHSMM().fit(arrays, labels)
+    save_model(model, path)
+    loaded = load_model(path)
+    assert loaded.template_ is None
+    assert np.isnan(loaded.frame_rate_)
+    assert loaded.score(arrays, labels) == model.score(arrays, labels)
+    assert_array_equal(loaded.synthesize(6), model.synthesize(6))
+
+
+def test_styles_are_as_likely_as_before(models, path):
+    classifier, walks = models["StyleClassifier"]
+    save_model(classifier, path)
+    loaded = load_model(path)
+    assert_array_equal(loaded.classes_, classifier.classes_)
+    assert_array_equal(loaded.log_likelihoods(walks), classifier.log_likelihoods(walks))
+    for one, other in zip(loaded.styles_, classifier.styles_, strict=True):
+        assert_array_equal(one.synthesize(4).rotations, other.synthesize(4).rotations)
+
+
+def test_settings_of_gait_models_come_back(path):
+    for estimator in (GaitHSMM(4, windows=WINDOWS), StyleClassifier(GaitHSMM(tying="paper"), map_weight=None)):
+        save_model(estimator, path)
+        assert repr(load_model(path)) == repr(estimator)
+        assert load_model(path).get_params(deep=False).keys() == estimator.get_params(deep=False).keys()
 
 
 def test_settings_come_back_without_a_fit(walkers, path):

@@ -7,6 +7,7 @@ from typing import Any
 
 from eigenwalker._validation import WalkError
 from eigenwalker.cli._marker_map import read_marker_map
+from eigenwalker.cli._numbers import positive
 from eigenwalker.io.formats import read_walk
 from eigenwalker.motion.fourier import FREQUENCY_RANGE
 from eigenwalker.motion.gaps import fill_gaps
@@ -75,9 +76,9 @@ def add_preparation_arguments(parser: argparse.ArgumentParser) -> None:
         help="moving: the camera turned or went along with the walker, as a turning Kinect does (still)",
     )
     group.add_argument(
-        "--max-gap", type=_positive, metavar="SECONDS", help="fill gaps in marker paths up to this length (none)"
+        "--max-gap", type=positive, metavar="SECONDS", help="fill gaps in marker paths up to this length (none)"
     )
-    group.add_argument("--cutoff", type=_positive, metavar="HZ", help="low-pass against noise, such as 6 (none)")
+    group.add_argument("--cutoff", type=positive, metavar="HZ", help="low-pass against noise, such as 6 (none)")
     group.add_argument(
         "--frequency",
         choices=("search", "events"),
@@ -86,23 +87,13 @@ def add_preparation_arguments(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument(
         "--frequency-range",
-        type=_positive,
+        type=positive,
         nargs=2,
         metavar=("LOW", "HIGH"),
         help=f"where strides per second are searched, such as 0.6 1.3 ({FREQUENCY_RANGE[0]} {FREQUENCY_RANGE[1]})",
     )
     group.add_argument("--steady-cadence", action="store_true", help="take drift of the cadence out")
     group.add_argument("--symmetrize", action="store_true", help="take differences between left and right out")
-
-
-def _positive(text: str) -> float:
-    try:
-        number = float(text)
-    except ValueError:
-        number = 0.0
-    if not 0 < number < float("inf"):
-        raise argparse.ArgumentTypeError(f"expected a number above zero, got {text!r}")
-    return number
 
 
 def make_preparation(options: argparse.Namespace, *, reading: dict[str, object], feet: bool = False) -> Preparation:

@@ -1,7 +1,7 @@
 """Recordings named on the command line, read and prepared."""
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -26,6 +26,7 @@ __all__ = [
     "add_recording_arguments",
     "list_reasons",
     "load",
+    "load_prepared",
     "reading_options",
 ]
 
@@ -56,14 +57,15 @@ def add_recording_arguments(parser: argparse.ArgumentParser) -> None:
     add_preparation_arguments(parser)
 
 
-def add_reading_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments that say what the numbers in a file mean."""
+def add_reading_arguments(parser: argparse.ArgumentParser, *, frame_rate: bool = True) -> None:
+    """Add the arguments that say what the numbers in a file mean, with or without the frame rate."""
     group = parser.add_argument_group("what the numbers in the files mean")
     group.add_argument(
         "--unit", type=_unit, metavar="UNIT", help="unit of length: m, cm, mm, in or metres per unit (BVH: cm)"
     )
     group.add_argument("--up", choices=("y", "z"), help="axis that points up in the files (BVH: y)")
-    group.add_argument("--frame-rate", type=float, metavar="HZ", help="frames per second, in place of the files'")
+    if frame_rate:
+        group.add_argument("--frame-rate", type=float, metavar="HZ", help="frames per second, in place of the files'")
 
 
 def _unit(text: str) -> str | float:
@@ -97,7 +99,26 @@ def load(
         Number of processes.
     """
     reading = reading_options(options)
-    job = partial(_read_and_prepare, reading=reading, preparation=make_preparation(options, reading=reading, feet=feet))
+    return load_prepared(paths, make_preparation(options, reading=reading, feet=feet), reading=reading, n_jobs=n_jobs)
+
+
+def load_prepared(
+    paths: Sequence[Path], preparation: Preparation, *, reading: Mapping[str, object], n_jobs: int | None = None
+) -> Loaded:
+    """Return the walks in files, prepared in one way, and the refusals.
+
+    Parameters
+    ----------
+    paths : sequence of Path
+        The files.
+    preparation : Preparation
+        What becomes of every recording.
+    reading : dict
+        Arguments of `read_walk`.
+    n_jobs : int, default None
+        Number of processes.
+    """
+    job = partial(_read_and_prepare, reading=reading, preparation=preparation)
     depth = name_depth(paths)
     found, refusals = collect(
         job,
@@ -127,11 +148,11 @@ def _with_shared_joints(walks: list[Any]) -> list[Any]:
 
 def reading_options(options: argparse.Namespace) -> dict[str, object]:
     """Return the arguments of `read_walk` that were given."""
-    given = {"unit": options.unit, "up": options.up, "frame_rate": options.frame_rate}
+    given = {name: getattr(options, name, None) for name in ("unit", "up", "frame_rate")}
     return {name: value for name, value in given.items() if value is not None}
 
 
-def _read_and_prepare(file: tuple[Path, str], *, reading: dict[str, object], preparation: Preparation) -> _Prepared:
+def _read_and_prepare(file: tuple[Path, str], *, reading: Mapping[str, object], preparation: Preparation) -> _Prepared:
     path, name = file
     walks = find_walks(replace(read_walk(path, **reading), name=name), preparation)
     return collect(partial(prepare, **preparation.options), walks, [walk.name for walk in walks])

@@ -6,10 +6,10 @@ from pathlib import Path
 from eigenwalker.cli._alphas import add_alpha_argument, parse_alphas
 from eigenwalker.cli._marker_map import read_marker_map
 from eigenwalker.cli._recordings import add_reading_arguments
+from eigenwalker.cli._trait_model import load_trait_model
 from eigenwalker.io.bvh import read_bvh
 from eigenwalker.io.bvh_rewriter import rewrite_bvh
 from eigenwalker.model.restyling import restyle_walk
-from eigenwalker.persistence import load_model
 
 _ENDING = ".bvh"
 
@@ -49,7 +49,7 @@ def run(options: argparse.Namespace) -> None:
     """Change the recording and write it."""
     _check(options)
     alphas = parse_alphas(options.alpha)
-    model = load_model(options.model)
+    model = load_trait_model(options.model)
     rig = read_marker_map(options.markers) if options.markers is not None else None
     unit, up = "cm" if options.unit is None else options.unit, options.up or "y"
     walk = read_bvh(options.file, unit=unit, up=up, frame_rate=options.frame_rate)

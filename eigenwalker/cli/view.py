@@ -4,10 +4,10 @@ import argparse
 from pathlib import Path
 
 from eigenwalker.cli._recordings import add_collecting_arguments, add_recording_arguments, list_reasons, load
+from eigenwalker.cli._trait_model import load_trait_model
 from eigenwalker.display.walker_view import view
 from eigenwalker.io.formats import READERS, find_ending
 from eigenwalker.motion.walk import Walk
-from eigenwalker.persistence import load_model
 
 HELP = "write a page of moving walkers with sliders"
 DESCRIPTION = (
@@ -38,7 +38,7 @@ def run(options: argparse.Namespace) -> None:
             f"expected at most one model, and recordings that end in {', '.join(sorted(READERS))}, got "
             f"{', '.join(map(str, models))}"
         )
-    model = load_model(models[0]) if models else None
+    model = load_trait_model(models[0]) if models else None
     walks = _load_walks(recordings, options)
     page = view(walks, title=options.title) if model is None else view(model, walks or None, title=options.title)
     page.save(options.out)

@@ -4,16 +4,15 @@ import argparse
 from dataclasses import replace
 from pathlib import Path
 
-from eigenwalker._validation import WalkError
 from eigenwalker.cli._alphas import add_alpha_argument, parse_alphas
 from eigenwalker.cli._recordings import add_recording_arguments, list_reasons, load, reading_options
+from eigenwalker.cli._skeleton import in_skeleton_of
+from eigenwalker.cli._trait_model import load_trait_model
 from eigenwalker.display.plotting import StickFigureDisplay
-from eigenwalker.io.formats import WRITERS, find_ending, read_walk, write_walk
+from eigenwalker.io.formats import WRITERS, find_ending, write_walk
 from eigenwalker.model.generation import walk_at
-from eigenwalker.motion.posture import lean_back
 from eigenwalker.motion.strides import pool_walks
 from eigenwalker.motion.walk import JointWalk, Walk
-from eigenwalker.persistence import load_model
 
 _PICTURE = ".png"
 _ENDINGS = sorted({*WRITERS, _PICTURE})
@@ -60,15 +59,16 @@ def run(options: argparse.Namespace) -> None:
     if ending is None:
         raise ValueError(f"--out must end in {', '.join(_ENDINGS)}, got {options.out.name}")
     alphas = parse_alphas(options.alpha)
-    model = load_model(options.model)
+    model = load_trait_model(options.model)
     template = model["linearizer"].template_
     has_joints = isinstance(template, JointWalk)
     _check(options, ending, has_joints=has_joints)
     options.representation = "joints" if has_joints else "markers"
     base = None if options.base is None else _load_base(options, template)
     walk = walk_at(model, alphas, base)
-    if isinstance(walk, JointWalk) and ending == ".bvh":
-        walk = _with_skeleton(walk, options)
+    skeleton = options.skeleton or options.base
+    if isinstance(walk, JointWalk) and ending == ".bvh" and skeleton is not None:
+        walk = in_skeleton_of(skeleton, walk, reading=reading_options(options))
     elif isinstance(walk, JointWalk) and ending not in _OF_JOINTS:
         walk = walk.to_markers()
     if ending == _PICTURE:
@@ -103,14 +103,3 @@ def _load_base(options: argparse.Namespace, template: Walk | JointWalk) -> Walk 
             return replace(walk, channel_joints=template.channel_joints)
         return walk  # which the model refuses, with the names
     return walks[0] if len(walks) == 1 else pool_walks(walks, [options.base.stem] * len(walks))[0]
-
-
-def _with_skeleton(walk: JointWalk, options: argparse.Namespace) -> JointWalk:
-    """Return the walk in the skeleton of a file, so that it comes back as it is and moves that file's character."""
-    file = options.skeleton or options.base
-    if file is None:
-        return walk
-    original = read_walk(file, **reading_options(options))
-    if not isinstance(original, JointWalk):
-        raise WalkError(f"--skeleton: expected a file with joints, such as BVH, got the markers of {file}")
-    return lean_back(walk, original)

@@ -16,6 +16,7 @@ from eigenwalker._collect import collect
 from eigenwalker._validation import WalkError
 from eigenwalker.hsmm.accumulation import ObservedWalk, Statistics, accumulate_walk, add_statistics
 from eigenwalker.hsmm.duration_transform import estimate_duration_transform, transformed_durations
+from eigenwalker.hsmm.estimation import StateParameters
 from eigenwalker.hsmm.gait_states import GaitStates, chain_of, infer_walk
 from eigenwalker.hsmm.inference import Posterior
 from eigenwalker.hsmm.labeled_walks import LabeledWalk
@@ -126,7 +127,7 @@ def _transform(walks: Sequence[LabeledWalk], model: GaitStates, settings: Adapta
     )
     weight = settings.transform_weight if settings.method.startswith("csmaplr") else 0.0
     means, variances = model.parameters.duration_means, model.parameters.duration_variances
-    current, found, before = model, None, -np.inf
+    current, found, longer, before = model, None, None, -np.inf
     for _ in range(settings.max_iter):
         posteriors = _infer_all(walks, current, settings.n_jobs)
         likelihood = sum(part.log_likelihood for part in posteriors)
@@ -143,20 +144,11 @@ def _transform(walks: Sequence[LabeledWalk], model: GaitStates, settings: Adapta
             start=None if found is None else found.transforms,
         )
         longer = estimate_duration_transform(
-            _sum_durations(walks, posteriors, model), means, variances, weight=settings.duration_weight
+            _sum_durations(walks, posteriors, model), means, variances, weight=settings.duration_weight, start=longer
         )
-        current = _replace_transforms(model, tree, found)
-        current = current._replace(
-            parameters=current.parameters._replace(
-                **dict(
-                    zip(
-                        ("duration_means", "duration_variances"),
-                        transformed_durations(longer, means, variances),
-                        strict=True,
-                    )
-                )
-            )
-        )
+        in_frames = transformed_durations(longer, means, variances)
+        parameters = StateParameters(model.parameters.means, model.parameters.variances, *in_frames)
+        current = _replace_transforms(model, tree, found)._replace(parameters=parameters)
     leaves = np.unique(tree.state_nodes)
     used = np.unique(found.sources[leaves]) if found is not None else np.array([-1])
     return AdaptedStates(current, len(leaves), int((used >= 0).sum()), float(sums.n_frames.sum()))

@@ -300,7 +300,7 @@ class GaitHSMM(FittedGaitMixin, BaseEstimator):
             raise ValueError("\n".join(faults))
 
     def _report(self, iteration: int, log_likelihood: float) -> None:
-        print(f"iteration {iteration}: log-likelihood {log_likelihood:.6g}")  # noqa: T201 - verbose
+        print(f"iteration {iteration}: log-likelihood per frame {log_likelihood:.6g}")  # noqa: T201 - verbose
 
     def _keep(self, trained: TrainedStates, walks: list[LabeledWalk]) -> None:
         self.states_, self.duration_states_ = trained.states.states, trained.duration_states.states

@@ -20,7 +20,7 @@ from eigenwalker.hsmm.estimation import StateParameters, maximize_likelihood, ov
 from eigenwalker.hsmm.inference import infer_states
 from eigenwalker.hsmm.observation import accumulate_over_time, log_densities
 
-__all__ = ["FittedStates", "expect_all", "expect_statistics", "fit_states"]
+__all__ = ["FittedStates", "check_observed", "expect_all", "expect_statistics", "fit_states"]
 
 
 class FittedStates(NamedTuple):
@@ -99,7 +99,7 @@ def fit_states(
     n_jobs : int, default None
         Number of threads, as in joblib. Sums are taken in the order of the walks, so results do not depend on it.
     report : callable, default None
-        Called with the number of the iteration and the log-likelihood after each E step.
+        Called with the number of the iteration and the log-likelihood per frame after each E step.
 
     Returns
     -------
@@ -117,7 +117,7 @@ def fit_states(
     Tilmanne, Moinet & Dutoit 2012, 5.1.1 and 5.1.2, and Yoshimura et al. 1998 for the durations, which there are
     estimated from posteriors of an ordinary hidden Markov model, and here from those of the explicit durations.
     """
-    _check_walks(walks, parameters)
+    check_observed(walks, parameters)
     # About the mean of all frames, so that squares do not cancel where channels are far from zero.
     center, _ = overall_moments(walks)
     centered = [walk._replace(observations=np.asarray(walk.observations) - center) for walk in walks]
@@ -128,7 +128,7 @@ def fit_states(
         statistics = expect_all(centered, current, n_jobs)
         history.append(statistics.log_likelihood)
         if report is not None:
-            report(iteration, history[-1])
+            report(iteration, history[-1] / statistics.n_frames)
         converged = iteration > 0 and history[-1] - history[-2] < tol * statistics.n_frames
         if converged or iteration == max_iter:
             break
@@ -147,7 +147,7 @@ def expect_all(walks: Sequence[ObservedWalk], parameters: StateParameters, n_job
     return reduce(add_statistics, [part for part in sums if part is not None])
 
 
-def _check_walks(walks: Sequence[ObservedWalk], parameters: StateParameters) -> None:
+def check_observed(walks: Sequence[ObservedWalk], parameters: StateParameters) -> None:
     """Raise one error with all walks whose arrays do not fit each other or the parameters."""
     if not walks:
         raise ValueError("expected at least one walk, got an empty list")

@@ -23,7 +23,7 @@ from eigenwalker.hsmm.duration_transform import duration_units
 from eigenwalker.hsmm.estimation import StateParameters, maximize_likelihood, overall_moments
 from eigenwalker.hsmm.features import WINDOWS
 from eigenwalker.hsmm.inference import Posterior
-from eigenwalker.hsmm.training import _check_walks
+from eigenwalker.hsmm.training import check_observed
 from eigenwalker.hsmm.transform_estimation import standard_units
 from eigenwalker.hsmm.transformed_inference import (
     WalkerTransforms,
@@ -104,7 +104,7 @@ def fit_walker_adaptive(
     n_jobs : int, default None
         Number of threads for the posteriors, as in joblib. Results do not depend on it.
     report : callable, default None
-        Called with the number of the iteration and the objective after each E step.
+        Called with the number of the iteration and the objective per frame after each E step.
 
     Returns
     -------
@@ -124,7 +124,7 @@ def fit_walker_adaptive(
     frames could not take part.
     """
     every = [walk for own in walks.values() for walk in own]
-    _check_walks(every, parameters)
+    check_observed(every, parameters)
     empty = [walker for walker, own in walks.items() if not len(own)]
     if empty:
         raise ValueError(f"expected at least one walk of each walker, got none of {', '.join(map(repr, empty))}")
@@ -191,7 +191,7 @@ def _iterate(
         likelihood = sum(posterior.log_likelihood for own in posteriors for posterior in own)
         objectives.append(likelihood - penalty(transforms, plan))
         if report is not None:
-            report(iteration, objectives[-1])
+            report(iteration, objectives[-1] / n_frames)
         converged = iteration > 0 and objectives[-1] - objectives[-2] < tol * n_frames
         if converged or iteration == max_iter:
             break

@@ -152,9 +152,9 @@ def _errors(n_walks, seed):
 
 
 def test_planted_states_are_found_with_errors_as_one_over_root_n_and_not_by_plain_training():
-    """Medians of five worlds: in some the climb takes hundreds of iterations."""
+    """Medians of three worlds: in some the climb takes hundreds of iterations."""
     sizes = (2, 8)
-    errors = np.array([np.median([_errors(n_walks, seed) for seed in range(5)], axis=0) for n_walks in sizes])
+    errors = np.array([np.median([_errors(n_walks, seed) for seed in range(3)], axis=0) for n_walks in sizes])
     slopes = np.log(errors[1] / errors[0]) / np.log(sizes[1] / sizes[0])
     assert (np.abs(slopes[:2] + 0.5) < 0.2).all(), (slopes, errors)
     assert (errors[:, 2] > 0.3).all()  # more walks of the same walkers do not mend plain training
@@ -215,7 +215,8 @@ def test_convergence_and_report():
         report=lambda *entry: seen.append(entry),
     )
     assert found.converged
-    assert seen == list(enumerate(found.objectives))
+    n_frames = sum(len(walk.observations) for own in walks.values() for walk in own)
+    assert seen == list(enumerate(found.objectives / n_frames))
 
 
 def test_what_does_not_fit_is_refused():
