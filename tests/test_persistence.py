@@ -26,7 +26,7 @@ from numpy.testing import assert_array_equal, assert_equal
 from sklearn.base import BaseEstimator, clone
 from sklearn.decomposition import PCA
 from sklearn.ensemble import RandomForestClassifier
-from sklearn.linear_model import Ridge
+from sklearn.linear_model import Ridge, RidgeClassifier
 from sklearn.pipeline import Pipeline, make_pipeline
 from sklearn.preprocessing import FunctionTransformer, StandardScaler
 
@@ -47,6 +47,7 @@ from eigenwalker import (
     persistence,
     save_model,
 )
+from eigenwalker.experiment import make_style_judge
 from eigenwalker.hsmm import WINDOWS, blend, make_labels
 from eigenwalker.persistence import describe_model
 from tests.hsmm.walking import shaken_walks, step_arrays
@@ -177,6 +178,10 @@ MODELS = {
     "GaitHSMM of people, adapted": _adapt_people,
     "GaitHSMM blended": _blend_gaits,
     "StyleClassifier": _fit_styles,
+    "judge of styles": lambda walkers: (
+        make_style_judge(RidgeClassifier(), random_state=0).fit(walkers.data, walkers.target["gender"]),
+        walkers.data[:2],
+    ),
     "joint walks": _fit_joints,
     "joint recordings": _fit_joint_recordings,
     "recordings": _fit_recordings,

@@ -19,6 +19,7 @@ from eigenwalker.hsmm.inference import (
     reachable_starts,
     sum_paths,
 )
+from eigenwalker.hsmm.inner_steps import InnerSteps, cut_inner_steps
 from eigenwalker.hsmm.observation import accumulate_over_time, log_densities
 from eigenwalker.hsmm.step_labels import CONTEXTS, label_steps, make_labels
 from eigenwalker.hsmm.style_blend import blend
@@ -31,6 +32,7 @@ __all__ = [
     "WINDOWS",
     "FittedStates",
     "GaitHSMM",
+    "InnerSteps",
     "ObservedWalk",
     "Posterior",
     "StateParameters",
@@ -43,6 +45,7 @@ __all__ = [
     "append_dynamics",
     "blend",
     "certain_posterior",
+    "cut_inner_steps",
     "duration_support",
     "expect_statistics",
     "fit_durations",

@@ -51,6 +51,9 @@ class AdaptationSettings(NamedTuple):
         In which transforms are compared.
     floors : ndarray of shape (n_features,)
         Least variances.
+    noise : float
+        Variance, in squared units of the channels, that transforms take channels to have beside what they show. Without
+        it a direction in which a joint cannot turn would be blown up until it fills the model's variance.
     duration_floor : float
         The same of durations, in frames squared.
     n_jobs : int or None
@@ -66,6 +69,7 @@ class AdaptationSettings(NamedTuple):
     blocks: Sequence[NDArray[np.integer]]
     units: StandardUnits
     floors: NDArray[np.float64]
+    noise: float
     duration_floor: float
     n_jobs: int | None = None
 
@@ -131,7 +135,7 @@ def _transform(walks: Sequence[LabeledWalk], model: GaitStates, settings: Adapta
     for _ in range(settings.max_iter):
         posteriors = _infer_all(walks, current, settings.n_jobs)
         likelihood = sum(part.log_likelihood for part in posteriors)
-        sums = _sum_transforms(walks, posteriors, model, tree)
+        sums = _with_noise(_sum_transforms(walks, posteriors, model, tree), settings.noise)
         if found is not None and likelihood - before < _GAIN * sums.n_frames.sum():
             break
         before = likelihood
@@ -209,6 +213,17 @@ def _sum_transforms(
         for walk, posterior in zip(walks, posteriors, strict=True)
     ]
     return reduce(add_transform_statistics, sums)
+
+
+def _with_noise(sums: TransformStatistics, noise: float) -> TransformStatistics:
+    """Return the sums that frames would have whose static channels had some more variance.
+
+    G_i of the bias alone is the sum of gamma / sigma^2 over frames; as much times the noise is added for each channel.
+    """
+    quadratic = np.array(sums.quadratic)
+    channels = np.arange(quadratic.shape[1])
+    quadratic[:, :, channels, channels] += noise * quadratic[:, :, -1, -1, np.newaxis]
+    return sums._replace(quadratic=quadratic)
 
 
 def _sum_durations(

@@ -36,6 +36,7 @@ class FittedGaitMixin:
     frame_rate: float | None
     frame_rate_: float
     walking_speed_: float
+    timing_share_: float
     windows: Sequence[Sequence[float]] | None
     is_canonical_: bool
     means_: NDArray[np.float64]
@@ -156,7 +157,8 @@ class FittedGaitMixin:
             w in omega = w / (n_windows T), the weight of Eq. 15, see `generate_with_variance`. 0: the variance is
             exactly that of walks.
         durations : {"mean", "sample"}, default "mean"
-            Whether states last for their most likely durations, or are drawn, so that steps differ.
+            Whether states last for their most likely durations, or vary by chance, so that strides differ as much as
+            those of the walks.
         speed : float, default 1.0
             How much faster than the model it steps.
         random_state : int, RandomState or None, default None
@@ -183,7 +185,12 @@ class FittedGaitMixin:
             raise ValueError(f"global_variance_weight must be zero or more, got {global_variance_weight!r}")
         model = self._states()
         sequence = choose_states(
-            model, make_labels(n_steps, first=first), durations=durations, speed=speed, random_state=random_state
+            model,
+            make_labels(n_steps, first=first),
+            durations=durations,
+            speed=speed,
+            share=self.timing_share_,
+            random_state=random_state,
         )
         channels = generate_channels(
             model,

@@ -8,16 +8,27 @@ from numpy.typing import NDArray
 from sklearn.utils import check_random_state
 
 from eigenwalker._validation import check_choice
-from eigenwalker.hsmm.gait_states import GaitStates, chain_of
+from eigenwalker.hsmm.gait_states import GaitStates, align_walk, chain_of
 from eigenwalker.hsmm.generation import generate_trajectory
 from eigenwalker.hsmm.global_variance import GlobalVariance, generate_with_variance
-from eigenwalker.hsmm.state_durations import mean_durations, sample_durations
+from eigenwalker.hsmm.labeled_walks import LabeledWalk
+from eigenwalker.hsmm.state_durations import mean_durations
 from eigenwalker.hsmm.step_labels import StepLabel
 from eigenwalker.hsmm.transforms import transformed_moments
 
-__all__ = ["StateSequence", "choose_states", "generate_channels", "moments_in_channels", "sample_channels"]
+__all__ = [
+    "StateSequence",
+    "choose_states",
+    "generate_channels",
+    "measure_timing",
+    "moments_in_channels",
+    "sample_channels",
+]
 
 Array = NDArray[np.float64]
+
+_FEWEST_STEPS = 5  # of a walk whose strides are compared, four of them
+_ROUNDING = 1 / 6  # frames squared by which whole frames at both ends make strides vary
 
 
 class StateSequence(NamedTuple):
@@ -44,6 +55,7 @@ def choose_states(
     *,
     durations: str = "mean",
     speed: float = 1.0,
+    share: float = 1.0,
     random_state: int | np.random.RandomState | None = None,
 ) -> StateSequence:
     """Return the sequence of states of a walk of these steps (Eq. 9).
@@ -55,26 +67,63 @@ def choose_states(
     labels : sequence of tuple of str
         Of the steps.
     durations : {"mean", "sample"}, default "mean"
-        The most likely durations, see `mean_durations`, or such as the model draws, see `sample_durations`.
+        The most likely durations, see `mean_durations`, or durations about them that vary by chance.
     speed : float, default 1.0
         How much faster than the model the walk steps.
+    share : float, default 1.0
+        Of the variance of durations that drawn ones have, see `measure_timing`.
     random_state : int, RandomState or None, default None
         Seed of drawn durations.
     """
     check_choice(durations, ("mean", "sample"), name="durations")
     chain = chain_of(model.duration_states, labels)
     # Those below one frame, as transforms may leave them, are of states that last for one.
-    moments = np.maximum(model.parameters.duration_means[chain], 1.0), model.parameters.duration_variances[chain]
-    if durations == "mean":
-        lengths = mean_durations(*moments, speed=speed)
-    else:
-        lengths = sample_durations(*moments, speed=speed, random_state=random_state)
+    means = np.maximum(model.parameters.duration_means[chain], 1.0)
+    variances = model.parameters.duration_variances[chain]
+    if durations == "sample":
+        deviations = check_random_state(random_state).normal(size=len(chain)) * np.sqrt(share * variances)
+        means = np.maximum(means + deviations, 1.0)
+    lengths = mean_durations(means, variances, speed=speed)
     positions = np.repeat(np.arange(len(chain)), lengths)
     steps = positions // model.states.shape[1]
     inside = (steps > 0) & (steps < len(labels) - 1)
     return StateSequence(
         positions, chain_of(model.states, labels)[positions], inside if inside.any() else np.ones_like(inside)
     )
+
+
+def measure_timing(walks: Sequence[LabeledWalk], model: GaitStates) -> float:
+    """Return which share of the variance of durations strides really have; NaN if no walk has four strides.
+
+    States whose durations were independent would add up to strides that vary more than those of people, who make up for
+    a late step; and states of a few frames cannot vary by less than about a frame. So the variance of the durations of
+    strides within walks, along the most likely paths, is compared with what the states add up to.
+
+    Parameters
+    ----------
+    walks : sequence of LabeledWalk
+        Those that the model was trained on.
+    model : GaitStates
+        The states.
+
+    Returns
+    -------
+    float
+        At most 1.
+    """
+    n_states = model.states.shape[1]
+    found, expected = [], []
+    for walk in walks:
+        if len(walk.labels) < _FEWEST_STEPS:
+            continue
+        starts = align_walk(walk, model)[0][::n_states]
+        strides = starts[2:] - starts[:-2]
+        found.append(strides.var(ddof=1))
+        variances = model.parameters.duration_variances[chain_of(model.duration_states, walk.labels)]
+        expected.append(2.0 * n_states * variances.mean())
+    if not found:
+        return float("nan")
+    return float(min(1.0, max(0.0, np.mean(found) - _ROUNDING) / np.mean(expected)))
 
 
 def moments_in_channels(model: GaitStates) -> tuple[Array, Array]:

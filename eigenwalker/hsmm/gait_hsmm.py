@@ -11,6 +11,7 @@ from sklearn.base import BaseEstimator
 from eigenwalker._validation import check_choice
 from eigenwalker.hsmm.average_model import Floors, TrainedStates, train_states, train_walkers
 from eigenwalker.hsmm.fitted_gait import FittedGaitMixin, Labels, Walks
+from eigenwalker.hsmm.gait_generation import measure_timing
 from eigenwalker.hsmm.gait_states import GaitStates
 from eigenwalker.hsmm.global_variance import measure_global_variance
 from eigenwalker.hsmm.labeled_walks import LabeledWalk, check_collection, common_frame_rate, label_walks, mean_speed
@@ -92,6 +93,8 @@ class GaitHSMM(FittedGaitMixin, BaseEstimator):
         Whether training was walker-adaptive, and `adapt` has not followed.
     walking_speed_ : float
         Mean of the walks, in m/s; NaN where unknown.
+    timing_share_ : float
+        Share of the variance of durations that strides have, see `measure_timing`.
     frame_rate_ : float
         Frames per second; NaN of arrays.
     template_ : JointWalk or None
@@ -276,6 +279,7 @@ class GaitHSMM(FittedGaitMixin, BaseEstimator):
             mixing=mixing,
             max_iter=max_iter,
             floors=self.floors_,
+            noise=self.absolute_floor,
             duration_floor=self.duration_floor,
             n_jobs=self.n_jobs,
         )
@@ -283,6 +287,8 @@ class GaitHSMM(FittedGaitMixin, BaseEstimator):
         style._keep_states(adapted)
         style.is_canonical_, style.walking_speed_ = False, mean_speed(X)
         style.adaptation_ = report
+        share = measure_timing(walks, adapted)
+        style.timing_share_ = self.timing_share_ if np.isnan(share) else share
         own = measure_global_variance([walk.inner_channels() for walk in walks]).means
         style.global_variance_ = np.array([own, self.global_variance_[1] * (own / self.global_variance_[0]) ** 2])
         return style
@@ -320,6 +326,8 @@ class GaitHSMM(FittedGaitMixin, BaseEstimator):
         self.startprob_, self.transmat_ = np.eye(1, self.n_states)[0], np.eye(self.n_states, k=1)
         self.global_variance_ = np.array(measure_global_variance([walk.inner_channels() for walk in walks]))
         self.history_ = trained.fitted.log_likelihoods / sum(walk.n_frames for walk in walks)
+        share = measure_timing(walks, self._states())
+        self.timing_share_ = 1.0 if np.isnan(share) else share
         self.n_iter_, self.converged_ = len(self.history_) - 1, trained.fitted.converged
 
     def _keep_states(self, model: GaitStates) -> None:

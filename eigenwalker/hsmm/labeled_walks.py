@@ -52,8 +52,10 @@ class LabeledWalk(NamedTuple):
         return append_dynamics(self.channels, windows=windows)[self.frames]
 
     def inner_channels(self) -> NDArray[np.float64]:
-        """Return the channels without those of the first and the last step, if there are others."""
-        edges = self.boundaries[1:-1] if len(self.labels) > 2 else self.boundaries
+        """Return the channels without those of a first step and of a last one, if two others are left or more."""
+        starts, ends = self.labels[0][1] == "first", self.labels[-1][1] == "last"
+        edges = self.boundaries[int(starts) : len(self.boundaries) - int(ends)]
+        edges = edges if len(edges) > 2 else self.boundaries
         return self.channels[edges[0] : edges[-1]]
 
 

@@ -30,6 +30,7 @@ def adapt_model(
     mixing: str,
     max_iter: int,
     floors: NDArray[np.float64],
+    noise: float,
     duration_floor: float,
     n_jobs: int | None = None,
 ) -> tuple[GaitStates, dict[str, Any]]:
@@ -43,7 +44,7 @@ def adapt_model(
         Of the average walk.
     weights : tuple of float or None
         Of the priors of transforms and of MAP.
-    floors, duration_floor
+    floors, noise, duration_floor
         See `AdaptationSettings`.
     """
     check_choice(method, METHODS, name="method")
@@ -62,6 +63,7 @@ def adapt_model(
         blocks=mixed_channels(n_channels, mixing),
         units=units_of_states(model, n_channels),
         floors=floors,
+        noise=noise,
         duration_floor=duration_floor,
         n_jobs=n_jobs,
     )

@@ -1,6 +1,7 @@
 """A style between two styles, or beyond them."""
 
 from copy import copy
+from typing import Any
 
 import numpy as np
 
@@ -70,12 +71,13 @@ def blend(one: GaitHSMM, other: GaitHSMM, weight: float) -> GaitHSMM:
     tiny = np.finfo(np.float64).tiny
     mine_over_time, theirs_over_time = (np.log(np.maximum(model.global_variance_, tiny)) for model in (one, other))
     blended.global_variance_ = np.exp(_along(mine_over_time, theirs_over_time, weight))
-    blended.walking_speed_ = float(_along(np.array(one.walking_speed_), np.array(other.walking_speed_), weight))
+    blended.walking_speed_ = float(_along(one.walking_speed_, other.walking_speed_, weight))
+    blended.timing_share_ = float(np.clip(_along(one.timing_share_, other.timing_share_, weight), 0.0, 1.0))
     blended.is_canonical_ = one.is_canonical_ and other.is_canonical_
     return blended
 
 
-def _along(one: np.ndarray, other: np.ndarray, weight: float) -> np.ndarray:
+def _along(one: Any, other: Any, weight: float) -> Any:
     return (1.0 - weight) * one + weight * other
 
 

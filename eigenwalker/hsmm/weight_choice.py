@@ -11,7 +11,7 @@ from eigenwalker.hsmm.labeled_walks import LabeledWalk
 
 __all__ = ["ChosenWeights", "choose_weights", "held_out_score"]
 
-_TRANSFORM_WEIGHTS = (10.0, 100.0, 1000.0, 1e4)
+_TRANSFORM_WEIGHTS = (1.0, 10.0, 100.0, 1000.0, 1e4)
 _MAP_WEIGHTS = (3.0, 10.0, 30.0, 100.0)
 _USUAL_TRANSFORM, _USUAL_MAP = 1000.0, 30.0  # what was chosen most often, for a single walk
 _MOST_FOLDS = 3

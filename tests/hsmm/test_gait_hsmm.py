@@ -281,3 +281,20 @@ def test_nothing_is_warned_of(walks):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         GaitHSMM().fit(walks).synthesize(6)
+
+
+def test_strides_of_drawn_durations_vary_as_those_of_the_walks():
+    regular, irregular = (GaitHSMM().fit(shaken_walks(5, n_frames=600, jitter=jitter)) for jitter in (0.0, 0.04))
+    assert regular.timing_share_ < irregular.timing_share_ <= 1.0
+    assert regular.sample(8, random_state=0)[0].shape != regular.sample(8, random_state=1)[0].shape
+
+    def spread(model):
+        starts = [
+            np.flatnonzero(
+                np.diff(model.predict([model.synthesize(16, durations="sample", random_state=seed)])[0] // 5)
+            )
+            for seed in range(3)
+        ]
+        return np.mean([np.std(part[2:] - part[:-2]) for part in starts])
+
+    assert spread(irregular) > spread(regular)

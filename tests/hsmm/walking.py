@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from tests.scissors import walker
 
@@ -11,17 +12,19 @@ __all__ = ["shaken_walk", "shaken_walks", "step_arrays"]
 _TURNING = ("Hips", "LeftUpLeg", "LeftLeg", "LeftFoot", "RightUpLeg", "RightLeg", "RightFoot")
 
 
-def shaken_walk(seed=0, *, n_frames=300, frame_rate=60.0, frequency=0.9, start=0.1, noise=0.01, bend=0.0, **fields):
+def shaken_walk(
+    seed=0, *, n_frames=300, frame_rate=60.0, frequency=0.9, start=0.1, noise=0.01, bend=0.0, jitter=0.0, **fields
+):
     """Return a walk whose frequency differs by 3 %, with smooth noise of `noise` radians.
 
-    `bend` radians more of each knee, all the time, are a style.
+    `bend` radians more of each knee, all the time, are a style. Steps come early or late by `jitter` strides.
     """
     random = np.random.default_rng(seed)
     walk = walker(
         n_frames,
         frame_rate=frame_rate,
         frequency=frequency * (1 + 0.03 * random.normal()),
-        start=start + 0.02 * random.normal(),
+        start=start + 0.02 * random.normal() + jitter * _wander(seed, n_frames, frame_rate),
     )
     index = [walk.skeleton.index(name) for name in _TURNING]
     rotations = np.array(walk.rotations)
@@ -31,6 +34,13 @@ def shaken_walk(seed=0, *, n_frames=300, frame_rate=60.0, frequency=0.9, start=0
     rotations[:, [walk.skeleton.index("LeftLeg"), walk.skeleton.index("RightLeg")], 1] += bend
     kept = {"name": f"walk {seed}", "channel_joints": _TURNING} | fields
     return replace(walk, rotations=rotations, **kept)
+
+
+def _wander(seed, n_frames, frame_rate):
+    """Return a smooth path of independent normal values two seconds apart."""
+    times = np.arange(n_frames) / frame_rate
+    knots = np.arange(0.0, times[-1] + 2.0, 2.0)
+    return CubicSpline(knots, np.random.default_rng([seed, 1]).normal(size=len(knots)))(times)
 
 
 def shaken_walks(n_walks=6, *, first=0, **options):
