@@ -1,8 +1,9 @@
-"""Embedded training of hidden semi-Markov gait models: ``python -m benchmarks.hsmm [--short]``.
+"""The core of hidden semi-Markov gait models: ``python -m benchmarks.hsmm [--short]``.
 
 One EM iteration at the scale of Tilmanne et al. 2012: 123 walks, 1365 steps of five states in ten contexts, about
-48,264 frames of 162 values, synthetic. Then its forward and backward messages beside the same in NumPy, and densities
-and messages beside hmmlearn's ordinary hidden Markov model of the same 50 states. One core for all of them.
+48,264 frames of 162 values, synthetic. Then its forward and backward messages beside the same in NumPy, densities and
+messages beside hmmlearn's ordinary hidden Markov model of the same 50 states, and the generation of channels beside
+scipy and nnmnkwii. One core for all of them.
 """
 
 import argparse
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from benchmarks import _measure
+from benchmarks._hsmm_generation import compare_generation
 from eigenwalker.hsmm import (
     ObservedWalk,
     StateParameters,
@@ -41,7 +43,7 @@ def main() -> None:
     parser.add_argument("--short", action="store_true", help="3 rounds instead of 9")
     n_rounds = 3 if parser.parse_args().short else 9
     with threadpool_limits(1):
-        print(_measure.describe_machine(("numpy", "scipy", "numba", "hmmlearn")))
+        print(_measure.describe_machine(("numpy", "scipy", "numba", "hmmlearn", "nnmnkwii")))
         print("One core for every row: all pools limited to 1 thread by threadpoolctl.")
         random = np.random.default_rng(0)
         # At the paper's 7.07 frames a state.
@@ -51,7 +53,7 @@ def main() -> None:
         n_frames = sum(len(walk.observations) for walk in walks)
         print(f"Walks: {len(walks)}, {sum(lengths)} steps, {_N_FEATURES} values a frame")
         print(f"Frames: {n_frames}, where the paper has {_FRAMES}")
-        targets = _time_training(walks, parameters, n_rounds)
+        targets = [*_time_training(walks, parameters, n_rounds), *compare_generation(n_rounds)]
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     print(
         f"\nPeak memory of this process: {peak:.0f} MB, of which the walks {n_frames * _N_FEATURES * 8 / 2**20:.0f} MB"

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from benchmarks.hsmm_generation import make_nnmnkwii, make_states
+from benchmarks._hsmm_generation import make_nnmnkwii, make_states
 from eigenwalker.hsmm.generation import generate_trajectory
 
 

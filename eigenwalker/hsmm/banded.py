@@ -12,11 +12,12 @@ from numpy.typing import NDArray
 __all__ = [
     "count_negative",
     "factorize",
-    "factorize_inplace",
+    "factorize_row",
     "multiply_banded",
     "solve_banded",
     "solve_factorized",
-    "solve_inplace",
+    "substitute_back_row",
+    "substitute_row",
 ]
 
 
@@ -37,7 +38,7 @@ def factorize(
     Returns
     -------
     ndarray of shape (n_rows, n_bands, n_dims)
-        ``[t, 0]`` is D[t], ``[t, k]`` is L[t, t - k * step].
+        ``[t, 0]`` is 1 / D[t], ``[t, k]`` is L[t, t - k * step].
 
     Notes
     -----
@@ -49,13 +50,13 @@ def factorize(
     >>> import numpy as np
     >>> bands = np.array([[4.0, 0.0], [4.0, 2.0]])[:, :, np.newaxis]  # the matrix [[4, 2], [2, 4]]
     >>> factorize(bands)[:, :, 0]
-    array([[4. , 0. ],
-           [3. , 0.5]])
+    array([[0.25      , 0.        ],
+           [0.33333333, 0.5       ]])
     """
     factors = np.array(bands, dtype=np.float64, order="C")
     if shift is not None:
         factors[:, 0] += shift
-    _factorize(factors, np.empty((len(factors), factors.shape[2])), step)
+    _factorize(factors, step)
     return factors
 
 
@@ -76,8 +77,7 @@ def solve_factorized(factors: NDArray[np.float64], right: NDArray[np.float64], *
     ndarray of shape (n_rows, n_dims)
     """
     values = np.array(right, dtype=np.float64, order="C")
-    with np.errstate(divide="ignore"):
-        _solve(factors, 1.0 / factors[:, 0], values, step)
+    _solve(factors, values, step)
     return values
 
 
@@ -110,7 +110,7 @@ def solve_banded(bands: NDArray[np.float64], right: NDArray[np.float64], *, step
     array([1., 1.])
     """
     factors = factorize(bands, step=step)
-    bad = np.flatnonzero(~(factors[:, 0] > 0).all(axis=0))
+    bad = np.flatnonzero(~((factors[:, 0] > 0) & np.isfinite(factors[:, 0])).all(axis=0))
     if len(bad):
         raise ValueError(f"expected positive definite matrices, got others in dimensions {bad.tolist()}")
     return solve_factorized(factors, right, step=step)
@@ -147,61 +147,68 @@ def multiply_banded(bands: NDArray[np.float64], values: NDArray[np.float64], *, 
     return product
 
 
-@njit(nogil=True, error_model="numpy", fastmath={"contract"})
-def factorize_inplace(bands, inverses, step):
-    """Replace the bands by their factors, and fill in 1 / D; for compiled callers, who keep no copy of it on disk.
+# One row each, also for compiled callers who make and use it while it is in the cache. Written into the loops that call
+# them: a call costs as much as a row of 50 dimensions.
+@njit(nogil=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+def factorize_row(bands, unscaled, row, step):
+    """Replace a row of bands by its factors, once those above it are; `unscaled` (n_bands, n_dims) is scratch.
 
-    Row by row: u_k = A[t, t-k] - sum_{m > k} u_m L[t-k, t-m], L_k = u_k / D[t-k], D[t] = A[t, t] - sum_k u_k L_k.
+    u_k = A[t, t-k] - sum_{m > k} u_m L[t-k, t-m], L_k = u_k / D[t-k], D[t] = A[t, t] - sum_k u_k L_k.
     """
-    n_rows, n_bands, n_dims = bands.shape
-    unscaled = np.empty((n_bands, n_dims))
-    for row in range(n_rows):
-        last = min(n_bands - 1, row // step)
-        pivot = bands[row, 0]
-        for band in range(last, 0, -1):
-            column, entry, value = row - band * step, bands[row, band], unscaled[band]
+    _, n_bands, n_dims = bands.shape
+    last = min(n_bands - 1, row // step)
+    pivot = bands[row, 0]
+    for band in range(last, 0, -1):
+        column, entry, kept = row - band * step, bands[row, band], unscaled[band]
+        for further in range(band + 1, last + 1):
+            left, above = unscaled[further], bands[column, further - band]
             for dim in range(n_dims):
-                value[dim] = entry[dim]
-            for further in range(band + 1, last + 1):
-                left, above = unscaled[further], bands[column, further - band]
-                for dim in range(n_dims):
-                    value[dim] -= left[dim] * above[dim]
-            inverse = inverses[column]
-            for dim in range(n_dims):
-                entry[dim] = value[dim] * inverse[dim]
-                pivot[dim] -= value[dim] * entry[dim]
-        inverse = inverses[row]
+                entry[dim] -= left[dim] * above[dim]
+        inverse = bands[column, 0]
         for dim in range(n_dims):
-            inverse[dim] = 1.0 / pivot[dim]
+            kept[dim] = entry[dim]
+            entry[dim] = kept[dim] * inverse[dim]
+            pivot[dim] -= kept[dim] * entry[dim]
+    for dim in range(n_dims):
+        pivot[dim] = 1.0 / pivot[dim]
 
 
-@njit(nogil=True, error_model="numpy", fastmath={"contract"})
-def solve_inplace(factors, inverses, values, step):
-    """Replace the right-hand sides by the solutions: L y = values, z = y / D, L' x = z."""
+@njit(nogil=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+def substitute_row(factors, values, row, step):
+    """Replace a row of right-hand sides by that of y with L y = values, once those above it are."""
+    _, n_bands, n_dims = factors.shape
+    value = values[row]
+    for band in range(1, min(n_bands - 1, row // step) + 1):
+        factor, other = factors[row, band], values[row - band * step]
+        for dim in range(n_dims):
+            value[dim] -= factor[dim] * other[dim]
+
+
+@njit(nogil=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+def substitute_back_row(factors, values, row, step):
+    """Replace a row of y by that of x with D L' x = y, once those below it are."""
     n_rows, n_bands, n_dims = factors.shape
-    for row in range(n_rows):
-        value = values[row]
-        for band in range(1, min(n_bands - 1, row // step) + 1):
-            factor, other = factors[row, band], values[row - band * step]
-            for dim in range(n_dims):
-                value[dim] -= factor[dim] * other[dim]
-    for row in range(n_rows - 1, -1, -1):
-        value, inverse = values[row], inverses[row]
+    value, inverse = values[row], factors[row, 0]
+    for dim in range(n_dims):
+        value[dim] *= inverse[dim]
+    for band in range(1, min(n_bands - 1, (n_rows - 1 - row) // step) + 1):
+        factor, other = factors[row + band * step, band], values[row + band * step]
         for dim in range(n_dims):
-            value[dim] *= inverse[dim]
-        for band in range(1, min(n_bands - 1, (n_rows - 1 - row) // step) + 1):
-            factor, other = factors[row + band * step, band], values[row + band * step]
-            for dim in range(n_dims):
-                value[dim] -= factor[dim] * other[dim]
+            value[dim] -= factor[dim] * other[dim]
 
 
 # Only these two are called from Python and kept on disk: numba mixes up functions that are kept both by themselves and
 # within another.
-@njit(cache=True, nogil=True, error_model="numpy")
-def _factorize(bands, inverses, step):
-    factorize_inplace(bands, inverses, step)
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+def _factorize(bands, step):
+    unscaled = np.empty(bands.shape[1:])
+    for row in range(len(bands)):
+        factorize_row(bands, unscaled, row, step)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _solve(factors, inverses, values, step):
-    solve_inplace(factors, inverses, values, step)
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+def _solve(factors, values, step):
+    for row in range(len(values)):
+        substitute_row(factors, values, row, step)
+    for row in range(len(values) - 1, -1, -1):
+        substitute_back_row(factors, values, row, step)

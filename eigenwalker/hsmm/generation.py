@@ -10,19 +10,21 @@ sequence of states has been chosen before (Eq. 9), see `mean_durations`.
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
-from eigenwalker.hsmm.banded import factorize_inplace, solve_inplace
+from eigenwalker.hsmm.banded import factorize_row, substitute_back_row, substitute_row
 from eigenwalker.hsmm.features import WINDOWS, whole_frames
 
 __all__ = ["NormalEquations", "generate_trajectory", "normal_equations", "undo_transform"]
 
 _BLOCK_BYTES = 1 << 24  # of bands and right-hand sides at once, so that scratch memory does not grow with the walk
-_AT_ONCE = 16  # numbers
+_AT_ONCE = 8  # numbers
 
 
 class NormalEquations(NamedTuple):
@@ -99,12 +101,12 @@ def generate_trajectory(
     """
     means, variances = _check(means, variances, windows)
     n_frames, n_channels = len(means), means.shape[1] // len(windows)
-    step, n_bands = _pattern(windows)
-    # In blocks padded to a multiple of 16, which the compiled loops take at once: no rest is left for slower ones.
-    most = max(1, _BLOCK_BYTES // (8 * _AT_ONCE * (n_bands + 2) * max(n_frames, 1)))
+    step, n_bands, reaches, terms = _plan(tuple(map(tuple, windows)))
+    # In blocks padded to a multiple of what compiled loops take at once: no rest is left for slower ones.
+    most = max(1, _BLOCK_BYTES // (8 * _AT_ONCE * (n_bands + 1) * max(n_frames, 1)))
     width = _AT_ONCE * min(most, -(-n_channels // _AT_ONCE))
     trajectory = np.empty((n_frames, n_channels))
-    _generate(means, variances, _centered(windows), trajectory, step, n_bands, width)
+    _generate(means, variances, reaches, terms, trajectory, step, n_bands, width)
     return trajectory
 
 
@@ -134,9 +136,9 @@ def normal_equations(
     """
     means, variances = _check(means, variances, windows)
     n_frames, n_channels = len(means), means.shape[1] // len(windows)
-    step, n_bands = _pattern(windows)
+    step, n_bands, reaches, terms = _plan(tuple(map(tuple, windows)))
     bands, right = np.empty((n_frames, n_bands, n_channels)), np.empty((n_frames, n_channels))
-    _assemble(means, variances, _centered(windows), bands, right, step)
+    _assemble(means, variances, reaches, terms, bands, right)
     return NormalEquations(bands, right, step)
 
 
@@ -192,76 +194,134 @@ def _check(means: ArrayLike, variances: ArrayLike, windows: Sequence) -> tuple[N
     return means, variances
 
 
-def _pattern(windows: Sequence[Sequence[float]]) -> tuple[int, int]:
-    """Return how many frames the bands of W'PW are apart, and how many bands there are with the diagonal."""
-    taps = [np.flatnonzero(window) for window in windows]
-    apart = [int(tap - tap_of_window[0]) for tap_of_window in taps for tap in tap_of_window[1:]]
-    step = math.gcd(*apart) or 1
-    return step, max(apart, default=0) // step + 1
-
-
-def _centered(windows: Sequence[Sequence[float]]) -> tuple[NDArray[np.float64], NDArray[np.int_]]:
-    """Return the windows as rows of one array, filled up with zeros at both ends, and how far each reaches."""
+@lru_cache(maxsize=16)
+def _plan(windows: tuple[tuple[float, ...], ...]) -> tuple[int, int, NDArray[np.int_], tuple[NDArray, ...]]:
+    """Return what walks of any length share: step and number of bands, reach of each window, and `_terms`."""
     whole_frames(0, windows=windows)  # raises for windows of even length
+    taps = [_taps(window) for window in windows]
+    apart = [tap - taps_of_window[0] for taps_of_window in taps for tap in taps_of_window[1:]]
+    step = math.gcd(*apart) or 1  # frames that the bands of W'PW are apart
+    n_bands = max(apart, default=0) // step + 1  # with the diagonal
     reaches = np.array([len(window) // 2 for window in windows])
-    padded = [np.pad(window, reaches.max() - reach) for window, reach in zip(windows, reaches, strict=True)]
-    return np.array(padded, dtype=np.float64), reaches
+    return step, n_bands, reaches, _terms(windows, step, n_bands)
+
+
+def _taps(window: Sequence[float]) -> list[int]:
+    """Return which coefficients are not zero."""
+    return [tap for tap, weight in enumerate(window) if weight]
+
+
+def _terms(windows: Sequence[Sequence[float]], step: int, n_bands: int) -> tuple[NDArray, ...]:
+    """Return what W'PW and W'P mu are sums of: where each sum starts, and of each term window, offset and weight.
+
+    With w[i] the coefficient of the frame i after that of the window, the terms of (W'PW)[t, t - k step] are
+    w[i] w[i - k step] / s^2[t - i], the k-th sum, and those of (W'P mu)[t], the last sum, w[i] mu[t - i] / s^2[t - i].
+    The offset is -i. Sums are filled up to a multiple of three terms.
+    """
+    sums: list[list[tuple[int, int, float]]] = [[] for _ in range(n_bands + 1)]
+    for position, window in enumerate(windows):
+        taps = _taps(window)
+        for tap in taps:
+            offset = len(window) // 2 - tap
+            sums[n_bands].append((position, offset, window[tap]))
+            for earlier in taps[: taps.index(tap) + 1]:
+                sums[(tap - earlier) // step].append((position, offset, window[tap] * window[earlier]))
+    for terms in sums:
+        terms += [(0, 0, 0.0)] * (-len(terms) % 3 if terms else 3)
+    positions, offsets, weights = zip(*chain(*sums), strict=True)
+    starts = np.cumsum([0, *map(len, sums)])
+    return starts, np.array(positions), np.array(offsets), np.array(weights, dtype=np.float64)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
-def _generate(means, variances, windows, trajectory, step, n_bands, width):
-    """Fill in the trajectory, a block of `width` channels after the other."""
+def _generate(means, variances, reaches, terms, trajectory, step, n_bands, width):
+    """Fill in the trajectory, a block of `width` channels after the other, in one sweep there and one back."""
     n_frames, n_channels = trajectory.shape
-    bands, right = np.empty((n_frames, n_bands, width)), np.empty((n_frames, width))
-    inverses = np.empty((n_frames, width))
+    bands, values = np.empty((n_frames, n_bands, width)), np.empty((n_frames, width))
+    unscaled = np.empty((n_bands, width))
     for first in range(0, n_channels, width):
         size = min(width, n_channels - first)
-        _fill(means, variances, windows, bands, right, step, first, size)
-        factorize_inplace(bands, inverses, step)
-        solve_inplace(bands, inverses, right, step)
-        for frame in range(n_frames):
-            source, goal = right[frame], trajectory[frame, first : first + size]
+        recent, reach = _make_room(reaches, width, size), reaches.max()
+        for row in range(-reach, n_frames):
+            _weigh_frame(recent, means, variances, reaches, row + reach, first, size)
+            if row >= 0:
+                _add_up_row(bands, values, recent, terms, row)
+                factorize_row(bands, unscaled, row, step)
+                substitute_row(bands, values, row, step)
+        for row in range(n_frames - 1, -1, -1):
+            substitute_back_row(bands, values, row, step)
+            source, goal = values[row], trajectory[row, first : first + size]
             for channel in range(size):
                 goal[channel] = source[channel]
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
-def _assemble(means, variances, windows, bands, right, step):
-    """Call `_fill` from Python: numba mixes up functions that are kept both by themselves and within another."""
-    _fill(means, variances, windows, bands, right, step, 0, right.shape[1])
+def _assemble(means, variances, reaches, terms, bands, right):
+    """Fill in W'PW and W'P mu."""
+    n_frames, n_channels = right.shape
+    recent, reach = _make_room(reaches, n_channels, n_channels), reaches.max()
+    for row in range(-reach, n_frames):
+        _weigh_frame(recent, means, variances, reaches, row + reach, 0, n_channels)
+        if row >= 0:
+            _add_up_row(bands, right, recent, terms, row)
 
 
-@njit(nogil=True, error_model="numpy", fastmath={"contract"})
-def _fill(means, variances, windows, bands, right, step, first, size):
-    """Fill in the sums of w w' / s^2 and w mu / s^2 over the windows w within the walk, for `size` channels.
+@njit(nogil=True, error_model="numpy")
+def _make_room(reaches, width, size):
+    """Return room for 1 / s^2 and mu / s^2 of the frames that a row needs, shape (n_slots, n_windows, 2, width).
 
-    The channels after them are padding: ones and zeros.
+    Frame t is in slot t modulo n_slots, a power of two. Before the first frame nothing is known. The channels after
+    `size` are padding: ones and zeros.
     """
-    coefficients, reaches = windows
-    n_frames, _, n_channels = bands.shape
-    n_all, center = means.shape[1] // len(reaches), coefficients.shape[1] // 2
-    precision, weighted = np.ones(n_channels), np.zeros(n_channels)
-    bands[:], right[:] = 0.0, 0.0
-    for frame in range(n_frames):
-        for window in range(len(reaches)):
-            if not reaches[window] <= frame < n_frames - reaches[window]:
-                continue
+    n_slots = 1
+    while n_slots <= 2 * reaches.max():
+        n_slots *= 2
+    recent = np.zeros((n_slots, len(reaches), 2, width))
+    recent[:, :, 0, size:] = 1.0
+    return recent
+
+
+# Written into the loops that call them, see `eigenwalker.hsmm.banded`.
+@njit(nogil=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+def _weigh_frame(recent, means, variances, reaches, frame, first, size):
+    """Fill in 1 / s^2 and mu / s^2 of a frame's windows: zero where they reach over the ends of the walk."""
+    n_frames, n_all, slot = len(means), means.shape[1] // len(reaches), frame & (len(recent) - 1)
+    for window, reach in enumerate(reaches):
+        precision, weighted = recent[slot, window, 0], recent[slot, window, 1]
+        if reach <= frame < n_frames - reach:
             # Views: an index that might be negative would keep the loops from working on several channels at once.
             start = window * n_all + first
             mean, variance = means[frame, start : start + size], variances[frame, start : start + size]
             for channel in range(size):
-                precision[channel] = 1.0 / variance[channel]
-                weighted[channel] = precision[channel] * mean[channel]
-            for tap in range(coefficients.shape[1]):
-                weight = coefficients[window, tap]
-                if weight == 0.0:
-                    continue
-                row = frame + tap - center
-                for channel in range(n_channels):
-                    right[row, channel] += weight * weighted[channel]
-                for earlier in range(tap % step, tap + 1, step):
-                    product = weight * coefficients[window, earlier]
-                    if product != 0.0:
-                        band = (tap - earlier) // step
-                        for channel in range(n_channels):
-                            bands[row, band, channel] += product * precision[channel]
+                weighted[channel] = mean[channel]
+                precision[channel] = variance[channel]
+            for channel in range(len(precision)):
+                precision[channel] = 1.0 / precision[channel]
+                weighted[channel] *= precision[channel]
+        else:
+            precision[:size] = 0.0
+            weighted[:size] = 0.0
+
+
+@njit(nogil=True, error_model="numpy", fastmath={"contract"}, forceinline=True)
+def _add_up_row(bands, right, recent, terms, row):
+    """Fill in a row of W'PW and W'P mu, three terms at once, so that sums are written and read again less often."""
+    starts, windows, offsets, weights = terms
+    n_bands, last_slot = bands.shape[1], len(recent) - 1
+    for position in range(n_bands + 1):
+        if position < n_bands:
+            goal, kind = bands[row, position], 0
+        else:
+            goal, kind = right[row], 1
+        start = starts[position]
+        for term in range(start, starts[position + 1], 3):
+            a, b, c = weights[term], weights[term + 1], weights[term + 2]
+            x = recent[(row + offsets[term]) & last_slot, windows[term], kind]
+            y = recent[(row + offsets[term + 1]) & last_slot, windows[term + 1], kind]
+            z = recent[(row + offsets[term + 2]) & last_slot, windows[term + 2], kind]
+            if term == start:
+                for channel in range(len(goal)):
+                    goal[channel] = a * x[channel] + b * y[channel] + c * z[channel]
+            else:
+                for channel in range(len(goal)):
+                    goal[channel] += a * x[channel] + b * y[channel] + c * z[channel]

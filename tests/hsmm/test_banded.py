@@ -58,7 +58,7 @@ def test_factors_are_those_of_the_shifted_matrix(seed, n_rows, n_bands, n_dims, 
     unit = factors.copy()
     unit[:, 0] = 1.0
     lower = np.tril(_dense(unit, step))
-    product = lower * factors[:, 0].T[:, np.newaxis] @ lower.swapaxes(1, 2)
+    product = lower / factors[:, 0].T[:, np.newaxis] @ lower.swapaxes(1, 2)
     assert np.allclose(product, _dense(bands, step) + shift[:, None, None] * np.eye(n_rows), rtol=0, atol=1e-12)
 
 

@@ -10,6 +10,7 @@ from eigenwalker.hsmm.generation import generate_trajectory, normal_equations, u
 from tests.hsmm.dense_generation import dense_equations, dense_windows, random_states
 
 HTS_WINDOWS = ((1.0,), (-0.5, 0.0, 0.5), (1.0, -2.0, 1.0))  # of HTS: its second delta couples all frames
+LOPSIDED_WINDOWS = ((1.0,), (1.0, 0.0, 0.0, 0.0, 0.0, 0.0, -0.5), (0.3, -0.1, 0.7))  # frames 3 to 5 apart not coupled
 
 
 @given(
@@ -17,7 +18,7 @@ HTS_WINDOWS = ((1.0,), (-0.5, 0.0, 0.5), (1.0, -2.0, 1.0))  # of HTS: its second
     n_states=st.integers(1, 8),
     n_frames=st.integers(1, 6),
     n_channels=st.integers(1, 20),
-    windows=st.sampled_from([WINDOWS, HTS_WINDOWS, WINDOWS[:1], WINDOWS[:2]]),
+    windows=st.sampled_from([WINDOWS, HTS_WINDOWS, LOPSIDED_WINDOWS, WINDOWS[:1], WINDOWS[:2]]),
 )
 def test_equals_a_dense_solution(seed, n_states, n_frames, n_channels, windows):
     means, variances = random_states(np.random.default_rng(seed), n_states, n_frames, n_channels, len(windows))
