@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtri
 
+from eigenwalker.model.intervals import wilson_interval
+
 __all__ = ["Estimated", "rate_difference", "rate_interval"]
 
 
@@ -66,7 +68,7 @@ def rate_interval(right: ArrayLike, groups: ArrayLike | None = None, *, level: f
     if not len(answers):
         return Estimated(*[float("nan")] * 3)
     rate = float(answers.mean())
-    low, high = _wilson(rate, _effective_trials(rate, sums), float(ndtri((1 + level) / 2)))
+    low, high = wilson_interval(rate, _effective_trials(rate, sums), float(ndtri((1 + level) / 2)))
     return Estimated(rate, low, high)
 
 
@@ -150,12 +152,6 @@ def _effective_trials(rate: float, sums: NDArray[np.float64]) -> float:
     scatter = n_groups / (n_groups - 1) * float(((sums[:, 0] - rate * sums[:, 1]) ** 2).sum())
     effect = scatter / (n_trials * rate * (1 - rate))
     return max(float(n_groups), n_trials / max(effect, 1.0)) if effect > 0 else n_trials
-
-
-def _wilson(rate: float, n_trials: float, z: float) -> tuple[float, float]:
-    middle, scale = rate + z**2 / (2 * n_trials), 1 + z**2 / n_trials
-    half = z * float(np.sqrt(rate * (1 - rate) / n_trials + (z / (2 * n_trials)) ** 2))
-    return max(0.0, min((middle - half) / scale, rate)), min(1.0, max((middle + half) / scale, rate))
 
 
 def _correlation(first: ArrayLike, second: ArrayLike, first_groups: ArrayLike, second_groups: ArrayLike) -> float:

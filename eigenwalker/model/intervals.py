@@ -10,7 +10,7 @@ from scipy.special import ndtri
 from eigenwalker._validation import check_choice
 from eigenwalker.model._scores import SCORES, TWO_VALUED_SCORES, score_columns
 
-__all__ = ["score_interval"]
+__all__ = ["score_interval", "wilson_interval"]
 
 Interval = tuple[float, float]
 _INWARD = 1e-9
@@ -78,7 +78,18 @@ def _check(predicted: NDArray[np.float64], labels: NDArray[np.float64], score: s
         raise ValueError(f"score={score!r} needs labels of -1 and +1, got others; use score='r' for numbers")
 
 
-def _wilson(share: float, n_trials: int, z: float) -> Interval:
+def wilson_interval(share: float, n_trials: float, z: float) -> Interval:
+    """Return Wilson's interval (1927) of a share of right answers, `z` standard errors to either side.
+
+    Parameters
+    ----------
+    share : float
+        That was seen, 0 to 1.
+    n_trials : float
+        Number of answers; not a whole one where answers depend on each other.
+    z : float
+        1.96 for an interval of 95 %.
+    """
     middle = share + z**2 / (2 * n_trials)
     half = z * np.sqrt(share * (1 - share) / n_trials + z**2 / (4 * n_trials**2))
     scale = 1 + z**2 / n_trials
@@ -87,14 +98,14 @@ def _wilson(share: float, n_trials: int, z: float) -> Interval:
 
 
 def _accuracy(value: float, predicted: NDArray[np.float64], labels: NDArray[np.float64], z: float) -> Interval:
-    return _wilson(value, len(labels), z)
+    return wilson_interval(value, len(labels), z)
 
 
 def _balanced_accuracy(value: float, predicted: NDArray[np.float64], labels: NDArray[np.float64], z: float) -> Interval:
     below, above = 0.0, 0.0
     for group in (labels > 0, labels < 0):
         share = float(np.mean(predicted[group] * labels[group] > 0))
-        low, high = _wilson(share, int(group.sum()), z)
+        low, high = wilson_interval(share, int(group.sum()), z)
         below, above = below + (share - low) ** 2, above + (high - share) ** 2
     return value - float(np.sqrt(below)) / 2, value + float(np.sqrt(above)) / 2
 
