@@ -71,7 +71,7 @@ def _add_model_arguments(group: argparse._ArgumentGroup) -> None:
         "--transform-weight",
         type=not_negative,
         metavar="W",
-        help="of the prior of transforms (of 10 to 10000 the best on walks held out; 1000 for a single walk)",
+        help="of the prior of transforms (of 1 to 10000 the best on walks held out; 1000 for a single walk)",
     )
     group.add_argument(
         "--map-weight",

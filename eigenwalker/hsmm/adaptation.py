@@ -116,6 +116,7 @@ def adapt_states(walks: Sequence[LabeledWalk], model: GaitStates, settings: Adap
     adapted = AdaptedStates(model, 0, 0, n_frames)
     if settings.method != "map":
         adapted = _transform(walks, model, settings)
+    adapted = adapted._replace(n_frames=n_frames)
     if settings.method.endswith("map"):
         adapted = adapted._replace(model=_map(walks, adapted.model, settings))
     return adapted

@@ -8,7 +8,7 @@ with Z such that the sum is one (Tilmanne et al. 2012, 5.1.1, where the density 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["duration_support", "fit_durations", "log_durations"]
+__all__ = ["duration_moments", "duration_support", "fit_durations", "log_durations"]
 
 _REACH = 6.0  # standard deviations: beyond lies 2e-9 of the mass
 _MAX_STEPS = 20
@@ -84,6 +84,28 @@ def log_durations(means: ArrayLike, variances: ArrayLike) -> NDArray[np.float64]
     logs[outside] = -np.inf
     logs -= logs.max(axis=1, keepdims=True)
     return logs - np.log(np.exp(logs).sum(axis=1, keepdims=True))
+
+
+def duration_moments(means: ArrayLike, variances: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return mean and variance of the durations of each state, which are whole and at least one frame.
+
+    Parameters
+    ----------
+    means, variances : array-like of shape (n_states,)
+        Of the Gaussians, see `log_durations`.
+
+    Returns
+    -------
+    means, variances : ndarray of shape (n_states,)
+        In frames and frames squared. They are those of the Gaussians unless these reach down to one frame.
+
+    Examples
+    --------
+    >>> means, variances = duration_moments([1.0, 9.0], [9.0, 1.0])
+    >>> means.round(2), variances.round(2)
+    (array([3.1 , 9.  ]), array([3.59, 1.  ]))
+    """
+    return _moments(np.exp(log_durations(means, variances)))
 
 
 def fit_durations(

@@ -11,7 +11,6 @@ from sklearn.utils.validation import check_is_fitted
 
 from eigenwalker._validation import check_choice
 from eigenwalker.hsmm.estimation import StateParameters
-from eigenwalker.hsmm.features import NEIGHBOR_WINDOWS
 from eigenwalker.hsmm.gait_generation import choose_states, generate_channels, sample_channels
 from eigenwalker.hsmm.gait_states import GaitStates, align_walk, infer_walk, score_walk
 from eigenwalker.hsmm.global_variance import GlobalVariance
@@ -23,6 +22,8 @@ from eigenwalker.motion.template import fill_template
 from eigenwalker.motion.walk import JointWalk
 
 __all__ = ["FittedGaitMixin", "Labels", "Seed", "Walks"]
+
+_TWO_STRIDES = 4  # steps
 
 Seed = int | np.random.RandomState | None
 Walks = Sequence[JointWalk] | Sequence[NDArray[np.floating]]
@@ -37,7 +38,7 @@ class FittedGaitMixin:
     frame_rate_: float
     walking_speed_: float
     timing_share_: float
-    windows: Sequence[Sequence[float]] | None
+    windows_: Sequence[Sequence[float]]
     is_canonical_: bool
     means_: NDArray[np.float64]
     covars_: NDArray[np.float64]
@@ -126,7 +127,7 @@ class FittedGaitMixin:
         """
         random = check_random_state(random_state)
         model = self._states()
-        sequence = choose_states(model, make_labels(n_steps, first=first), durations="sample", random_state=random)
+        sequence = choose_states(model, make_labels(n_steps, first=first), durations="draw", random_state=random)
         return sample_channels(model, sequence, random_state=random), sequence.positions
 
     def synthesize(
@@ -152,7 +153,8 @@ class FittedGaitMixin:
             The foot of the first step.
         global_variance : {"exact", None}, default "exact"
             Whether the variance over time of each channel is that of walks (Eq. 12 to 15), found exactly, or falls
-            short of it, as in the most likely trajectory.
+            short of it, as in the most likely trajectory. Walks of fewer than four steps fall short of it in any case:
+            a part of a stride cannot have the variance of strides.
         global_variance_weight : float, default 1.0
             w in omega = w / (n_windows T), the weight of Eq. 15, see `generate_with_variance`. 0: the variance is
             exactly that of walks.
@@ -181,6 +183,7 @@ class FittedGaitMixin:
             If an argument is out of range, or the steps have no states, see `tying`.
         """
         check_choice(global_variance, ("exact", None), name="global_variance")
+        check_choice(durations, ("mean", "sample"), name="durations")
         if not global_variance_weight >= 0:
             raise ValueError(f"global_variance_weight must be zero or more, got {global_variance_weight!r}")
         model = self._states()
@@ -195,7 +198,9 @@ class FittedGaitMixin:
         channels = generate_channels(
             model,
             sequence,
-            target=None if global_variance is None else GlobalVariance(*self.global_variance_),
+            target=None
+            if global_variance is None or n_steps < _TWO_STRIDES
+            else GlobalVariance(*self.global_variance_),
             weight=global_variance_weight,
         )
         if self.template_ is None:
@@ -211,9 +216,6 @@ class FittedGaitMixin:
                 stacklevel=3,
             )
 
-    def _windows(self) -> Sequence[Sequence[float]]:
-        return NEIGHBOR_WINDOWS if self.windows is None else self.windows
-
     def _states(self) -> GaitStates:
         """Return what was learned as the functions of this part take it."""
         check_is_fitted(self)
@@ -223,7 +225,7 @@ class FittedGaitMixin:
             self.duration_states_,
             tuple(ChannelTransform(part[:, :-1], part[:, -1]) for part in self.transforms_),
             self.classes_of_states_,
-            self._windows(),
+            self.windows_,
         )
 
     def _label(self, X: Walks, y: Labels) -> list[LabeledWalk]:

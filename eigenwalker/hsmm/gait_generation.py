@@ -8,11 +8,12 @@ from numpy.typing import NDArray
 from sklearn.utils import check_random_state
 
 from eigenwalker._validation import check_choice
+from eigenwalker.hsmm.duration import duration_moments
 from eigenwalker.hsmm.gait_states import GaitStates, align_walk, chain_of
 from eigenwalker.hsmm.generation import generate_trajectory
 from eigenwalker.hsmm.global_variance import GlobalVariance, generate_with_variance
 from eigenwalker.hsmm.labeled_walks import LabeledWalk
-from eigenwalker.hsmm.state_durations import mean_durations
+from eigenwalker.hsmm.state_durations import mean_durations, sample_durations
 from eigenwalker.hsmm.step_labels import StepLabel
 from eigenwalker.hsmm.transforms import transformed_moments
 
@@ -27,7 +28,7 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
-_FEWEST_STEPS = 5  # of a walk whose strides are compared, four of them
+_FEWEST_STEPS = 5  # of a walk whose strides are compared
 _ROUNDING = 1 / 6  # frames squared by which whole frames at both ends make strides vary
 
 
@@ -66,8 +67,9 @@ def choose_states(
         The states.
     labels : sequence of tuple of str
         Of the steps.
-    durations : {"mean", "sample"}, default "mean"
-        The most likely durations, see `mean_durations`, or durations about them that vary by chance.
+    durations : {"mean", "sample", "draw"}, default "mean"
+        The expected durations, see `mean_durations`; such that vary about them as strides do; or such as the model
+        draws, each state for itself, see `sample_durations`.
     speed : float, default 1.0
         How much faster than the model the walk steps.
     share : float, default 1.0
@@ -75,29 +77,32 @@ def choose_states(
     random_state : int, RandomState or None, default None
         Seed of drawn durations.
     """
-    check_choice(durations, ("mean", "sample"), name="durations")
+    check_choice(durations, ("mean", "sample", "draw"), name="durations")
     chain = chain_of(model.duration_states, labels)
-    # Those below one frame, as transforms may leave them, are of states that last for one.
-    means = np.maximum(model.parameters.duration_means[chain], 1.0)
-    variances = model.parameters.duration_variances[chain]
+    gaussians = model.parameters.duration_means[chain], model.parameters.duration_variances[chain]
+    means, variances = duration_moments(*gaussians)
     if durations == "sample":
         deviations = check_random_state(random_state).normal(size=len(chain)) * np.sqrt(share * variances)
         means = np.maximum(means + deviations, 1.0)
-    lengths = mean_durations(means, variances, speed=speed)
+    if durations == "draw":
+        lengths = sample_durations(*gaussians, speed=speed, random_state=random_state)
+    else:
+        lengths = mean_durations(means, variances, speed=speed)
     positions = np.repeat(np.arange(len(chain)), lengths)
     steps = positions // model.states.shape[1]
-    inside = (steps > 0) & (steps < len(labels) - 1)
+    inside = (steps > 0) & (steps < len(labels) - 1) & (len(labels) >= _FEWEST_STEPS)
     return StateSequence(
         positions, chain_of(model.states, labels)[positions], inside if inside.any() else np.ones_like(inside)
     )
 
 
 def measure_timing(walks: Sequence[LabeledWalk], model: GaitStates) -> float:
-    """Return which share of the variance of durations strides really have; NaN if no walk has four strides.
+    """Return which share of the variance of durations strides really have; NaN if no walk has five steps.
 
     States whose durations were independent would add up to strides that vary more than those of people, who make up for
     a late step; and states of a few frames cannot vary by less than about a frame. So the variance of the durations of
-    strides within walks, along the most likely paths, is compared with what the states add up to.
+    strides within walks, along the most likely paths and but for the first and the last step, which take another time,
+    is compared with what the states add up to.
 
     Parameters
     ----------
@@ -117,9 +122,12 @@ def measure_timing(walks: Sequence[LabeledWalk], model: GaitStates) -> float:
         if len(walk.labels) < _FEWEST_STEPS:
             continue
         starts = align_walk(walk, model)[0][::n_states]
+        starts = starts[int(walk.labels[0][1] == "first") : len(starts) - int(walk.labels[-1][1] == "last")]
         strides = starts[2:] - starts[:-2]
         found.append(strides.var(ddof=1))
-        variances = model.parameters.duration_variances[chain_of(model.duration_states, walk.labels)]
+        chain = chain_of(model.duration_states, walk.labels)
+        gaussians = model.parameters.duration_means[chain], model.parameters.duration_variances[chain]
+        variances = duration_moments(*gaussians)[1]
         expected.append(2.0 * n_states * variances.mean())
     if not found:
         return float("nan")

@@ -10,6 +10,7 @@ from sklearn.base import BaseEstimator
 
 from eigenwalker._validation import check_choice
 from eigenwalker.hsmm.average_model import Floors, TrainedStates, train_states, train_walkers
+from eigenwalker.hsmm.features import NEIGHBOR_WINDOWS
 from eigenwalker.hsmm.fitted_gait import FittedGaitMixin, Labels, Walks
 from eigenwalker.hsmm.gait_generation import measure_timing
 from eigenwalker.hsmm.gait_states import GaitStates
@@ -21,6 +22,8 @@ from eigenwalker.motion.template import one_frame
 from eigenwalker.motion.walk import JointWalk
 
 __all__ = ["GaitHSMM"]
+
+_STILL = 1e-12  # squared units of channels, of a variance over time that is none
 
 
 class GaitHSMM(FittedGaitMixin, BaseEstimator):
@@ -71,7 +74,7 @@ class GaitHSMM(FittedGaitMixin, BaseEstimator):
     means_, covars_ : ndarray of shape (n_tied, n_features)
         Of the observations of the tied states; covars_ are the variances.
     durations_ : ndarray of shape (n_tied_durations, 2)
-        Mean and variance in frames.
+        Mean and variance, in frames, of the Gaussians that durations, whole numbers from 1 on, are drawn from.
     startprob_ : ndarray of shape (n_states,)
     transmat_ : ndarray of shape (n_states, n_states)
         Of the states of a step, which follow each other.
@@ -95,6 +98,8 @@ class GaitHSMM(FittedGaitMixin, BaseEstimator):
         Mean of the walks, in m/s; NaN where unknown.
     timing_share_ : float
         Share of the variance of durations that strides have, see `measure_timing`.
+    windows_ : tuple of tuples of float
+        Coefficients of the windows.
     frame_rate_ : float
         Frames per second; NaN of arrays.
     template_ : JointWalk or None
@@ -184,6 +189,8 @@ class GaitHSMM(FittedGaitMixin, BaseEstimator):
         """
         self._check_parameters()
         walks = check_collection(X)
+        self.__dict__.pop("adaptation_", None)  # of a fit before
+        self.windows_ = tuple(map(tuple, NEIGHBOR_WINDOWS if self.windows is None else self.windows))
         self.template_, self.frame_rate_ = None, float("nan")
         joint_walks = [walk for walk in walks if isinstance(walk, JointWalk)]
         if joint_walks:
@@ -193,7 +200,7 @@ class GaitHSMM(FittedGaitMixin, BaseEstimator):
         trained = train_states(
             labeled,
             n_states=self.n_states,
-            windows=self._windows(),
+            windows=self.windows_,
             tying=self.tying,
             penalty=self.tying_penalty,
             floors=Floors(self.variance_floor, self.absolute_floor, self.duration_floor),
@@ -207,7 +214,7 @@ class GaitHSMM(FittedGaitMixin, BaseEstimator):
                 labeled,
                 walkers,
                 trained,
-                windows=self._windows(),
+                windows=self.windows_,
                 weight=self.walker_weight,
                 duration_floor=self.duration_floor,
                 max_iter=self.max_iter,
@@ -270,6 +277,8 @@ class GaitHSMM(FittedGaitMixin, BaseEstimator):
             If there are too few frames for the classes that were asked for.
         """
         walks = self._label(X, y)
+        if hasattr(self, "adaptation_"):
+            raise ValueError("this model was adapted already; adapt the average model that it came from")
         adapted, report = adapt_model(
             walks,
             self._states(),
@@ -290,7 +299,8 @@ class GaitHSMM(FittedGaitMixin, BaseEstimator):
         share = measure_timing(walks, adapted)
         style.timing_share_ = self.timing_share_ if np.isnan(share) else share
         own = measure_global_variance([walk.inner_channels() for walk in walks]).means
-        style.global_variance_ = np.array([own, self.global_variance_[1] * (own / self.global_variance_[0]) ** 2])
+        usual, spread = self.global_variance_  # of channels that stand still both are nothing
+        style.global_variance_ = np.array([own, spread * (own / np.maximum(usual, _STILL)) ** 2])
         return style
 
     def _check_parameters(self) -> None:
@@ -320,7 +330,7 @@ class GaitHSMM(FittedGaitMixin, BaseEstimator):
                 self.duration_states_,
                 (identity_transform(walks[0].channels.shape[1]),),
                 np.zeros(n_states, dtype=np.int64),
-                self._windows(),
+                self.windows_,
             )
         )
         self.startprob_, self.transmat_ = np.eye(1, self.n_states)[0], np.eye(self.n_states, k=1)

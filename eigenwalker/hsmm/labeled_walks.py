@@ -16,6 +16,9 @@ from eigenwalker.motion.walk import JointWalk
 __all__ = ["LabeledWalk", "check_collection", "common_frame_rate", "label_like", "label_walks", "mean_speed"]
 
 
+_DIGITS = 1e-4  # of a frame rate
+
+
 class LabeledWalk(NamedTuple):
     """One walk and its steps.
 
@@ -75,6 +78,11 @@ def check_collection(X: object) -> list[JointWalk | NDArray[np.float64]]:
     if kind is JointWalk:
         for walk in X:
             check_finite(walk.channels, walk.channel_names, walk=walk.name)
+            if not walk.skeleton.upright:
+                raise WalkError(
+                    f"walk {walk.name!r}: expected joints that count along the axes of the room, got those of a file; "
+                    "prepare it, prepare(walk, representation='joints', clip='whole')"
+                )
         return list(X)
     arrays = [
         np.asarray(check_array(walk, shape=("n_frames", "n_channels"), name=f"X[{at}]"), dtype=np.float64)
@@ -92,13 +100,18 @@ def check_collection(X: object) -> list[JointWalk | NDArray[np.float64]]:
 def common_frame_rate(walks: Sequence[JointWalk]) -> float:
     """Return the frame rate of walks, or raise a WalkError that names those of another."""
     rate = walks[0].frame_rate
-    others = [f"{walk.name!r} {walk.frame_rate:g}" for walk in walks if walk.frame_rate != rate]
+    others = [f"{walk.name!r} {walk.frame_rate:g}" for walk in walks if not _same_rate(walk.frame_rate, rate)]
     if others:
         raise WalkError(
             f"expected walks of one frame rate, {rate:g} as the first has, got {', '.join(others[:6])} frames per "
             "second; dynamics and durations count in frames: give frame_rate=..., to which all are resampled"
         )
     return rate
+
+
+def _same_rate(one: float, other: float) -> bool:
+    """Return whether frame rates are the same but for the digits of a file: 30 and 30.00003."""
+    return abs(one - other) < _DIGITS * other
 
 
 def mean_speed(walks: Sequence[object]) -> float:
@@ -187,7 +200,7 @@ def label_like(
         raise TypeError(f"expected {kinds[0]}, as in fit, got {kinds[1]}")
     if arrays and arrays[0].shape[1] != n_channels:
         raise ValueError(f"expected {n_channels} channels, as in fit, got {arrays[0].shape[1]}")
-    if joint_walks and not resampled and common_frame_rate(joint_walks) != frame_rate:
+    if joint_walks and not resampled and not _same_rate(common_frame_rate(joint_walks), frame_rate):
         raise ValueError(
             f"expected {frame_rate:g} frames per second, as in fit, got {joint_walks[0].frame_rate:g}; resample the "
             "walks, or fit with frame_rate=..., to which all walks are resampled"
@@ -205,9 +218,10 @@ def _label(
     name = f"walk {at}"
     if isinstance(walk, JointWalk):
         name, before = walk.name or name, walk.frame_rate
-        if frame_rate is not None and frame_rate != before:
+        if frame_rate is not None and not _same_rate(frame_rate, before):
             walk = resample(walk, frame_rate=frame_rate)
-            boundaries = None if boundaries is None else np.rint(np.asarray(boundaries) * (frame_rate / before))
+            if boundaries is not None:
+                boundaries = np.minimum(np.rint(np.asarray(boundaries) * (frame_rate / before)), walk.n_frames)
         if labels is None:
             found = label_steps(walk)
             labels, boundaries = found.labels, found.boundaries if boundaries is None else boundaries

@@ -51,8 +51,6 @@ def adapt_model(
     check_choice(mixing, ("joints", "all", "none"), name="mixing")
     _check_numbers(weights, n_classes, max_iter)
     n_channels = walks[0].channels.shape[1]
-    if len(model.transforms) > 1 or not np.array_equal(model.transforms[0].matrix, np.eye(n_channels)):
-        raise ValueError("this model was adapted already; adapt the average model that it came from")
     settings = AdaptationSettings(
         method=method,
         transform_weight=0.0,

@@ -51,6 +51,7 @@ def blend(one: GaitHSMM, other: GaitHSMM, weight: float) -> GaitHSMM:
         raise ValueError(f"weight must be finite, got {weight!r}")
     models = [model._states() for model in (one, other)]
     _check_shared(*models)
+    _check_same_walks(one, other)
     (means, variances), (other_means, other_variances) = (moments_in_channels(model) for model in models)
     mine, theirs = (model.parameters for model in models)
     parameters = StateParameters(
@@ -73,12 +74,25 @@ def blend(one: GaitHSMM, other: GaitHSMM, weight: float) -> GaitHSMM:
     blended.global_variance_ = np.exp(_along(mine_over_time, theirs_over_time, weight))
     blended.walking_speed_ = float(_along(one.walking_speed_, other.walking_speed_, weight))
     blended.timing_share_ = float(np.clip(_along(one.timing_share_, other.timing_share_, weight), 0.0, 1.0))
-    blended.is_canonical_ = one.is_canonical_ and other.is_canonical_
+    blended.is_canonical_ = one.is_canonical_ or other.is_canonical_
+    for attribute in ("adaptation_", "history_", "n_iter_", "converged_"):  # it was not trained
+        blended.__dict__.pop(attribute, None)
     return blended
 
 
 def _along(one: Any, other: Any, weight: float) -> Any:
     return (1.0 - weight) * one + weight * other
+
+
+def _check_same_walks(one: GaitHSMM, other: GaitHSMM) -> None:
+    """Raise unless both models are of the same channels at the same frame rate."""
+    rates = one.frame_rate_, other.frame_rate_
+    names = [None if model.template_ is None else model.template_.channel_names for model in (one, other)]
+    if names[0] != names[1] or not np.isclose(*rates, rtol=1e-4, equal_nan=True):
+        raise ValueError(
+            "expected two models adapted from one average model, of the same channels at one frame rate, got "
+            f"{rates[0]:g} and {rates[1]:g} frames per second{'' if names[0] == names[1] else ' and other channels'}"
+        )
 
 
 def _check_shared(one: GaitStates, other: GaitStates) -> None:

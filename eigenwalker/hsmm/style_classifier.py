@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from sklearn.base import BaseEstimator, ClassifierMixin, clone
 from sklearn.utils.validation import check_is_fitted
 
-from eigenwalker._validation import check_walks
+from eigenwalker._validation import check_choice, check_walks
+from eigenwalker.hsmm.adaptation import METHODS
 from eigenwalker.hsmm.gait_hsmm import GaitHSMM
 from eigenwalker.motion.walk import JointWalk
 
@@ -84,6 +85,9 @@ class StyleClassifier(ClassifierMixin, BaseEstimator):
             If there is not one style a walk, or there are fewer than two styles.
         """
         walks = check_walks(X, kind=JointWalk)
+        if self.adapt_to is not None and not self.adapt_to >= 1:
+            raise ValueError(f"adapt_to must be 1 or more, or None, got {self.adapt_to!r}")
+        check_choice(self.method, METHODS, name="method")
         styles = np.asarray(y)
         if styles.shape != (len(walks),):
             raise ValueError(f"expected a style for each of the {len(walks)} walks, got shape {styles.shape}")
@@ -128,6 +132,7 @@ class StyleClassifier(ClassifierMixin, BaseEstimator):
         X : list of JointWalk
             Walks.
         """
+        check_is_fitted(self)
         return self.classes_[self.log_likelihoods(X).argmax(axis=1)]
 
     def __sklearn_tags__(self):

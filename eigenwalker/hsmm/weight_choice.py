@@ -61,13 +61,13 @@ def choose_weights(
         transform_weight=_USUAL_TRANSFORM if len(transforms) > 1 else transforms[0],
         map_weight=_USUAL_MAP if len(maps) > 1 else maps[0],
     )
-    scores: list[tuple[float, float, float]] = []
+    scores: dict[tuple[float, float], float] = {}
     best = usual
     if len(transforms) > 1:
         best = _best(walks, model, [best._replace(transform_weight=weight) for weight in transforms], scores)
     if len(maps) > 1:
         best = _best(walks, model, [best._replace(map_weight=weight) for weight in maps], scores)
-    return ChosenWeights(best, tuple(scores))
+    return ChosenWeights(best, tuple((*weights, score) for weights, score in scores.items()))
 
 
 def _weights_of(
@@ -99,12 +99,12 @@ def _best(
     walks: Sequence[LabeledWalk],
     model: GaitStates,
     candidates: Sequence[AdaptationSettings],
-    scores: list[tuple[float, float, float]],
+    scores: dict[tuple[float, float], float],
 ) -> AdaptationSettings:
     """Return the settings of the largest score, the last of equal ones, and keep all scores."""
-    found = [held_out_score(walks, model, settings) for settings in candidates]
-    scores.extend(
-        (settings.transform_weight, settings.map_weight, score)
-        for settings, score in zip(candidates, found, strict=True)
-    )
+    weights = [(settings.transform_weight, settings.map_weight) for settings in candidates]
+    for pair, settings in zip(weights, candidates, strict=True):
+        if pair not in scores:
+            scores[pair] = held_out_score(walks, model, settings)
+    found = [scores[pair] for pair in weights]
     return candidates[len(found) - 1 - int(np.argmax(found[::-1]))]

@@ -55,7 +55,7 @@ def test_a_walk_in_a_style(run, plain, bent, tmp_path):
     assert status == 0
     assert "average: 4 walks, 34 steps, 60 frames a second\n  log-likelihood per frame " in printed
     assert "style: 2 walks, 14 steps\n  csmaplr+map, weight of transforms 1" in printed
-    scores = re.search(r"walks held out (\S+), the best of 9 trials of weights, by the average model (\S+)\n", printed)
+    scores = re.search(r"walks held out (\S+), the best of 8 trials of weights, by the average model (\S+)\n", printed)
     assert float(scores[1]) > float(scores[2]) + 10
     walk = read_walk(out)
     assert f"wrote {out}: 7 steps, {walk.n_frames} frames at 60 a second, " in printed

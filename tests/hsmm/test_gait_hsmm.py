@@ -185,10 +185,11 @@ def test_new_walks_have_the_variance_of_walks(walks, model):
 def test_durations_are_carried_and_drawn(model):
     mean = model.synthesize(10)
     assert model.synthesize(10).n_frames == mean.n_frames
-    drawn = [model.synthesize(10, durations="sample", random_state=seed).n_frames for seed in range(6)]
+    irregular = GaitHSMM(max_iter=3).fit(shaken_walks(3, jitter=0.04))
+    drawn = [irregular.synthesize(10, durations="sample", random_state=seed).n_frames for seed in range(6)]
     assert len(set(drawn)) > 1
     assert model.synthesize(10, speed=1.2).n_frames == pytest.approx(mean.n_frames / 1.2, abs=1)
-    again = model.synthesize(10, durations="sample", random_state=0).n_frames
+    again = irregular.synthesize(10, durations="sample", random_state=0).n_frames
     assert again == drawn[0]
 
 
@@ -298,3 +299,41 @@ def test_strides_of_drawn_durations_vary_as_those_of_the_walks():
         return np.mean([np.std(part[2:] - part[:-2]) for part in starts])
 
     assert spread(irregular) > spread(regular)
+
+
+@pytest.mark.parametrize("n_states", [5, 8])
+def test_steps_last_as_long_as_those_of_the_walks(n_states):
+    """Also where states last for two frames, and durations cannot be Gaussian."""
+    walks = shaken_walks(6, frame_rate=30.0, n_frames=200, jitter=0.03)
+    model = GaitHSMM(n_states=n_states).fit(walks)
+    per_step = model.synthesize(30).duration / 30
+    assert per_step == pytest.approx(1 / 0.9 / 2, rel=0.06)
+
+
+@pytest.mark.parametrize("n_steps", [1, 2, 3])
+def test_walks_of_few_steps_keep_their_knees(walks, model, n_steps):
+    knee = model.synthesize(n_steps, hold=False).rotations[:, walks[0].skeleton.index("LeftLeg"), 1]
+    real = walks[0].rotations[:, walks[0].skeleton.index("LeftLeg"), 1]
+    assert knee.min() > real.min() - 0.1
+
+
+def test_walks_that_were_not_prepared_are_refused(walks):
+    raw = replace(walks[0], skeleton=replace(walks[0].skeleton, upright=False))
+    with pytest.raises(WalkError, match=r"expected joints that count along the axes of the room.*clip='whole'"):
+        GaitHSMM().fit([raw])
+
+
+def test_boundaries_at_the_end_are_resampled():
+    slow = shaken_walk(0, n_frames=151, frame_rate=30.0)
+    edges = [0, *range(20, 141, 20), 151]
+    GaitHSMM(frame_rate=60.0, max_iter=2).fit([slow], [make_labels(8)], boundaries=[edges])
+
+
+def test_frame_rates_of_few_digits_are_the_same(walks):
+    near = replace(walks[1], frame_rate=60.0003)
+    assert GaitHSMM(max_iter=2).fit([walks[0], near]).frame_rate_ == 60.0
+
+
+def test_settings_after_the_fit_change_nothing(walks, model):
+    other = pickle.loads(pickle.dumps(model)).set_params(windows=WINDOWS)
+    assert other.score(walks) == model.score(walks)

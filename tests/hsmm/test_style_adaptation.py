@@ -180,3 +180,29 @@ def test_new_walks_go_as_fast_as_those_of_the_style(average, bent):
     assert np.isnan(unknown.walking_speed_)
     speeds = [quality_table([model.synthesize(8)])["speed_m_per_s"][0] for model in (style, unknown)]
     assert abs(speeds[0] - 0.9) <= abs(speeds[1] - 0.9)
+
+
+def test_joints_that_stand_still_do_no_harm():
+    """As wrists of many recordings: a channel that is one number."""
+    still, others = shaken_walks(3), shaken_walks(2, first=20, bend=0.3)
+    rigid = [_stiffen(walk) for walk in (*still, *others)]
+    model = GaitHSMM().fit(rigid[:3]).adapt(rigid[3:4])
+    assert np.isfinite(model.global_variance_).all()
+    assert np.isfinite(blend(model, model, 0.5).synthesize(6).rotations).all()
+
+
+def _stiffen(walk):
+    rotations = np.array(walk.rotations)
+    rotations[:, walk.skeleton.index("LeftFoot")] = 0.2
+    return replace(walk, rotations=rotations)
+
+
+def test_blends_of_other_rates_are_refused(average):
+    slow = GaitHSMM(tying=None).fit(shaken_walks(2, n_frames=300, frame_rate=50.0))
+    with pytest.raises(ValueError, match="60 and 50 frames per second"):
+        blend(GaitHSMM(tying=None).fit(shaken_walks(2)), slow, 0.5)
+
+
+def test_map_alone_is_an_adaptation_too(average, bent):
+    with pytest.raises(ValueError, match="adapted already"):
+        average.adapt(bent[:1], method="map").adapt(bent[:1])
