@@ -103,7 +103,7 @@ def duration_moments(means: ArrayLike, variances: ArrayLike) -> tuple[NDArray[np
     --------
     >>> means, variances = duration_moments([1.0, 9.0], [9.0, 1.0])
     >>> means.round(2), variances.round(2)
-    (array([3.1 , 9.  ]), array([3.59, 1.  ]))
+    (array([3.09, 9.  ]), array([3.56, 1.  ]))
     """
     return _moments(np.exp(log_durations(means, variances)))
 
