@@ -13,6 +13,7 @@ from eigenwalker.experiment.recognition import (
     style_rates,
 )
 from eigenwalker.experiment.resemblance import RESEMBLANCE, mean_resemblance, resemblance_table
+from eigenwalker.experiment.showing import Showing
 from eigenwalker.experiment.stimulus import Stimulus, cross_stimuli
 from eigenwalker.experiment.study import Study, make_study
 from eigenwalker.experiment.style_judge import JudgedFeatures, judge_styles, make_style_judge
@@ -22,7 +23,6 @@ from eigenwalker.experiment.tasks import (
     RatingTask,
     RecognitionTask,
     ResemblanceTask,
-    Showing,
 )
 from eigenwalker.experiment.variability import cut_alike, stride_variability, variance_ratio
 

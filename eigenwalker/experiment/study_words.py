@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
+from eigenwalker.experiment.showing import Showing
 from eigenwalker.experiment.stimulus import Stimulus
-from eigenwalker.experiment.tasks import TASKS, Showing, Task
+from eigenwalker.experiment.tasks import TASKS, Task
 
 __all__ = ["stimulus_from_words", "stimulus_words", "task_from_words", "task_words"]
 

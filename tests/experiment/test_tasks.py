@@ -1,5 +1,6 @@
 import pytest
 
+from eigenwalker.experiment.showing import Showing
 from eigenwalker.experiment.study_words import task_from_words, task_words
 from eigenwalker.experiment.tasks import (
     NaturalnessTask,
@@ -7,7 +8,6 @@ from eigenwalker.experiment.tasks import (
     RatingTask,
     RecognitionTask,
     ResemblanceTask,
-    Showing,
 )
 
 ALL = [
