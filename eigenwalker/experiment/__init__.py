@@ -1,9 +1,15 @@
 """Perception studies: what people, or classifiers, make of walks, from the task to the figures and back to a trait."""
 
 from eigenwalker.experiment.answer_columns import ANSWER_COLUMNS, DESIGN_COLUMNS
+from eigenwalker.experiment.crossed import crossed_difference, crossed_interval, crossed_mean, crossed_rate
 from eigenwalker.experiment.design import cyclic_square, make_design
 from eigenwalker.experiment.discrimination import Discrimination, discriminate_walks
+from eigenwalker.experiment.intraclass import ICC_INTERVALS, ICC_KINDS, IntraclassCorrelation, intraclass_correlation
+from eigenwalker.experiment.means import mean_interval
+from eigenwalker.experiment.naturalness_answers import NaturalnessReport, naturalness_report
 from eigenwalker.experiment.rates import Estimated, rate_difference, rate_interval
+from eigenwalker.experiment.rating_intervals import MeanRatings, mean_ratings
+from eigenwalker.experiment.ratings import rating_counts, ratings_to_traits
 from eigenwalker.experiment.recognition import (
     answer_shares,
     confusion_tables,
@@ -12,8 +18,12 @@ from eigenwalker.experiment.recognition import (
     recognition_table,
     style_rates,
 )
+from eigenwalker.experiment.recognition_answers import RecognitionReport, recognition_report
+from eigenwalker.experiment.reliability import reliability_table, view_correlations
 from eigenwalker.experiment.resemblance import RESEMBLANCE, mean_resemblance, resemblance_table
+from eigenwalker.experiment.score_answers import ScoreReport, pair_report, resemblance_report
 from eigenwalker.experiment.showing import Showing
+from eigenwalker.experiment.split_half import split_half_reliability
 from eigenwalker.experiment.stimulus import Stimulus, cross_stimuli
 from eigenwalker.experiment.study import Study, make_study
 from eigenwalker.experiment.style_judge import JudgedFeatures, judge_styles, make_style_judge
@@ -24,41 +34,67 @@ from eigenwalker.experiment.tasks import (
     RecognitionTask,
     ResemblanceTask,
 )
+from eigenwalker.experiment.trials import TaskTrials, trials_of
 from eigenwalker.experiment.variability import cut_alike, stride_variability, variance_ratio
 
 __all__ = [
     "ANSWER_COLUMNS",
     "DESIGN_COLUMNS",
+    "ICC_INTERVALS",
+    "ICC_KINDS",
     "RESEMBLANCE",
     "Discrimination",
     "Estimated",
+    "IntraclassCorrelation",
     "JudgedFeatures",
+    "MeanRatings",
+    "NaturalnessReport",
     "NaturalnessTask",
     "PairTask",
     "RatingTask",
+    "RecognitionReport",
     "RecognitionTask",
     "ResemblanceTask",
+    "ScoreReport",
     "Showing",
     "Stimulus",
     "Study",
+    "TaskTrials",
     "answer_shares",
     "confusion_tables",
     "cross_stimuli",
+    "crossed_difference",
+    "crossed_interval",
+    "crossed_mean",
+    "crossed_rate",
     "cut_alike",
     "cyclic_square",
     "discriminate_walks",
+    "intraclass_correlation",
     "judge_styles",
     "make_design",
     "make_study",
     "make_style_judge",
+    "mean_interval",
+    "mean_ratings",
     "mean_resemblance",
+    "naturalness_report",
+    "pair_report",
     "rate_correlation",
     "rate_difference",
     "rate_interval",
+    "rating_counts",
+    "ratings_to_traits",
     "recognition_difference",
+    "recognition_report",
     "recognition_table",
+    "reliability_table",
+    "resemblance_report",
     "resemblance_table",
+    "split_half_reliability",
     "stride_variability",
     "style_rates",
+    "trials_of",
     "variance_ratio",
+    "view_correlations",
 ]

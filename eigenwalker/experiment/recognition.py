@@ -2,14 +2,16 @@
 
 Trials are rows of a DataFrame: ``truth``, the style of a walk; ``answer``, what it was taken for, where anything that
 is no style, such as "don't know", is a wrong answer; ``kind``, "original" or "synthetic"; and, where walks were shown
-more than once, ``walk``, by which answers are grouped. A walk and its synthesis may have the same name there: then
-their answers are compared in pairs. The answers are those of people or of a classifier, see `judge_styles`.
+more than once, ``walk``, and where several people answered, ``participant``, by which answers are grouped. A walk and
+its synthesis may have the same name there: then their answers are compared in pairs. The answers are those of people,
+see `trials_of`, or of a classifier, see `judge_styles`.
 """
 
 import numpy as np
 import pandas as pd
 
-from eigenwalker.experiment.rates import Estimated, rate_difference, rate_interval
+from eigenwalker.experiment.crossed import crossed_difference, crossed_rate, groupings
+from eigenwalker.experiment.rates import Estimated
 from eigenwalker.model.intervals import score_interval
 
 __all__ = [
@@ -45,7 +47,7 @@ def check_trials(trials: pd.DataFrame) -> pd.DataFrame:
         raise ValueError(f"expected the columns {', '.join(needed)}, missing: {', '.join(lacking)}")
     if not len(trials):
         raise ValueError("expected at least one trial, got none")
-    gaps = [name for name in (*needed, "walk") if name in trials and trials[name].isna().any()]
+    gaps = [name for name in (*needed, "walk", "participant") if name in trials and trials[name].isna().any()]
     if gaps:
         raise ValueError(
             f"expected a value in every trial, but some are missing in: {', '.join(gaps)}; an answer that was not "
@@ -53,7 +55,8 @@ def check_trials(trials: pd.DataFrame) -> pd.DataFrame:
         )
     foreign = sorted(set(trials["kind"]) - set(KINDS))
     if foreign:
-        raise ValueError(f"expected the kinds {' and '.join(KINDS)}, got {', '.join(map(str, foreign))}")
+        named = ", ".join(str(kind) or "an empty one" for kind in foreign)
+        raise ValueError(f"expected the kinds {' and '.join(KINDS)}, got {named}")
     return trials.assign(right=trials["truth"].astype(str) == trials["answer"].astype(str))
 
 
@@ -69,7 +72,7 @@ def recognition_table(trials: pd.DataFrame, *, n_choices: int | None = None, lev
     Parameters
     ----------
     trials : DataFrame
-        With the columns truth, answer, kind and maybe walk.
+        With the columns truth, answer, kind and maybe walk and participant.
     n_choices : int, default None
         How many answers could be chosen from. None counts those that occur, in truth or answer.
     level : float, default 0.95
@@ -78,7 +81,7 @@ def recognition_table(trials: pd.DataFrame, *, n_choices: int | None = None, lev
     Returns
     -------
     DataFrame
-        One row a kind: n_trials, n_right, rate, low and high (see `rate_interval`), chance, efficiency,
+        One row a kind: n_trials, n_right, rate, low and high (see `crossed_rate`), chance, efficiency,
         efficiency_low and efficiency_high.
 
     Raises
@@ -108,7 +111,7 @@ def recognition_table(trials: pd.DataFrame, *, n_choices: int | None = None, lev
 
 
 def _recognition(part: pd.DataFrame, chance: float, level: float) -> dict[str, float]:
-    found = rate_interval(part["right"], part.get("walk"), level=level)
+    found = crossed_rate(part["right"], groupings(part), level=level)
     return {
         "n_trials": len(part),
         "n_right": int(part["right"].sum()),
@@ -135,7 +138,7 @@ def recognition_difference(trials: pd.DataFrame, *, level: float = 0.95) -> Esti
     Returns
     -------
     Estimated
-        See `rate_difference`.
+        See `crossed_difference`.
 
     Raises
     ------
@@ -144,7 +147,7 @@ def recognition_difference(trials: pd.DataFrame, *, level: float = 0.95) -> Esti
     """
     known = _both_kinds(trials)
     parts = [known[known["kind"] == kind] for kind in KINDS]
-    return rate_difference(*[part["right"] for part in parts], *[part.get("walk") for part in parts], level=level)
+    return crossed_difference(*[part["right"] for part in parts], *map(groupings, parts), level=level)
 
 
 def style_rates(trials: pd.DataFrame) -> pd.DataFrame:

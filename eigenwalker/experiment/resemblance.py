@@ -7,10 +7,10 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.distance import cdist
-from scipy.special import stdtrit
 from sklearn.base import TransformerMixin
 
 from eigenwalker._validation import check_walks
+from eigenwalker.experiment.means import mean_interval
 from eigenwalker.experiment.rates import Estimated
 from eigenwalker.experiment.style_judge import JudgedFeatures
 from eigenwalker.experiment.variability import stride_variability, variance_ratio
@@ -40,7 +40,8 @@ def mean_resemblance(answers: Iterable[str], *, level: float = 0.95) -> Estimate
     Returns
     -------
     Estimated
-        With the interval of Student's t, within 0 and 4; a single answer leaves it open.
+        With the interval of Student's t, within 0 and 4; a single answer leaves it open. Every answer stands for
+        itself: `resemblance_report` knows whose they are.
 
     Raises
     ------
@@ -56,12 +57,8 @@ def mean_resemblance(answers: Iterable[str], *, level: float = 0.95) -> Estimate
     foreign = sorted({str(answer) for answer in given if answer not in RESEMBLANCE})
     if foreign or not given:
         raise ValueError(f"expected answers out of {', '.join(RESEMBLANCE)}, got {', '.join(foreign) or 'none at all'}")
-    worth = np.array([RESEMBLANCE.index(answer) for answer in given], dtype=np.float64)
-    mean, most = float(worth.mean()), float(len(RESEMBLANCE) - 1)
-    if len(worth) == 1:
-        return Estimated(mean, 0.0, most)
-    half = float(stdtrit(len(worth) - 1, (1 + level) / 2) * worth.std(ddof=1) / np.sqrt(len(worth)))
-    return Estimated(mean, max(0.0, mean - half), min(most, mean + half))
+    mean, low, high = mean_interval([RESEMBLANCE.index(answer) for answer in given], level=level)
+    return Estimated(mean, max(0.0, low), min(len(RESEMBLANCE) - 1.0, high))
 
 
 def resemblance_table(
