@@ -1,12 +1,14 @@
 """Perception studies: what people, or classifiers, make of walks, from the task to the figures and back to a trait."""
 
 from eigenwalker.experiment.answer_columns import ANSWER_COLUMNS, DESIGN_COLUMNS
+from eigenwalker.experiment.answer_files import read_answers, write_answers
 from eigenwalker.experiment.crossed import crossed_difference, crossed_interval, crossed_mean, crossed_rate
 from eigenwalker.experiment.design import cyclic_square, make_design
 from eigenwalker.experiment.discrimination import Discrimination, discriminate_walks
 from eigenwalker.experiment.intraclass import ICC_INTERVALS, ICC_KINDS, IntraclassCorrelation, intraclass_correlation
 from eigenwalker.experiment.means import mean_interval
 from eigenwalker.experiment.naturalness_answers import NaturalnessReport, naturalness_report
+from eigenwalker.experiment.psych_ds import check_dataset
 from eigenwalker.experiment.rates import Estimated, rate_difference, rate_interval
 from eigenwalker.experiment.rating_intervals import MeanRatings, mean_ratings
 from eigenwalker.experiment.ratings import rating_counts, ratings_to_traits
@@ -23,9 +25,12 @@ from eigenwalker.experiment.reliability import reliability_table, view_correlati
 from eigenwalker.experiment.resemblance import RESEMBLANCE, mean_resemblance, resemblance_table
 from eigenwalker.experiment.score_answers import ScoreReport, pair_report, resemblance_report
 from eigenwalker.experiment.showing import Showing
+from eigenwalker.experiment.simulated_observers import simulate_answers
+from eigenwalker.experiment.simulated_studies import simulate_studies
 from eigenwalker.experiment.split_half import split_half_reliability
 from eigenwalker.experiment.stimulus import Stimulus, cross_stimuli
 from eigenwalker.experiment.study import Study, make_study
+from eigenwalker.experiment.study_files import build_study, read_study
 from eigenwalker.experiment.style_judge import JudgedFeatures, judge_styles, make_style_judge
 from eigenwalker.experiment.tasks import (
     NaturalnessTask,
@@ -61,6 +66,8 @@ __all__ = [
     "Study",
     "TaskTrials",
     "answer_shares",
+    "build_study",
+    "check_dataset",
     "confusion_tables",
     "cross_stimuli",
     "crossed_difference",
@@ -85,16 +92,21 @@ __all__ = [
     "rate_interval",
     "rating_counts",
     "ratings_to_traits",
+    "read_answers",
+    "read_study",
     "recognition_difference",
     "recognition_report",
     "recognition_table",
     "reliability_table",
     "resemblance_report",
     "resemblance_table",
+    "simulate_answers",
+    "simulate_studies",
     "split_half_reliability",
     "stride_variability",
     "style_rates",
     "trials_of",
     "variance_ratio",
     "view_correlations",
+    "write_answers",
 ]
