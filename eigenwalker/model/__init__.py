@@ -26,9 +26,11 @@ from eigenwalker.model.inference import (
 )
 from eigenwalker.model.intervals import score_interval
 from eigenwalker.model.linearization import FourierLinearizer
+from eigenwalker.model.moments import Moments
 from eigenwalker.model.restyling import restyle_walk
 from eigenwalker.model.scaling import BlockScaler
 from eigenwalker.model.statistics import AxisStatistics, axis_statistics
+from eigenwalker.model.streaming import fit_moments, fit_stream
 from eigenwalker.model.traits import TraitRegressor
 from eigenwalker.model.walker_score import WalkerScore, score_walker
 
@@ -39,6 +41,7 @@ __all__ = [
     "FourierLinearizer",
     "LeakageWarning",
     "LearningCurve",
+    "Moments",
     "NestedResult",
     "OutsideDataWarning",
     "PermutationResult",
@@ -53,6 +56,8 @@ __all__ = [
     "bootstrap_axes",
     "eigenwalker_features",
     "feature_parts",
+    "fit_moments",
+    "fit_stream",
     "hybrid_walk",
     "learning_curve_walkers",
     "loo_matrix",

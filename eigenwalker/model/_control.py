@@ -5,11 +5,12 @@ training walkers is uncorrelated with the controls.
 """
 
 import numpy as np
+import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
 from eigenwalker.model._labels import encode, learn_coding, tabulate
 
-__all__ = ["free_directions", "take_controls", "take_out", "unit_columns"]
+__all__ = ["free_directions", "tabulate_controls", "take_controls", "take_out", "unit_columns"]
 
 _EPS = np.finfo(np.float64).eps
 _VANISHES = 1e-10  # correlation of controls and scores, below which it is rounding
@@ -25,6 +26,12 @@ def take_controls(control: ArrayLike | None, n_walks: int, traits: list[str]) ->
     """
     if control is None:
         return np.empty((n_walks, 0)), []
+    table = tabulate_controls(control, n_walks, traits)
+    return encode(table, learn_coding(table, None)), list(table)
+
+
+def tabulate_controls(control: ArrayLike, n_walks: int, traits: list[str]) -> pd.DataFrame:
+    """Return control variables as they are, one column each; see `take_controls` for the errors."""
     table = tabulate(control)
     if getattr(control, "columns", getattr(control, "name", None)) is None:  # no names of its own
         table.columns = [str(name).replace("trait", "control") for name in table]
@@ -40,7 +47,7 @@ def take_controls(control: ArrayLike | None, n_walks: int, traits: list[str]) ->
     itself = [name for name in names if name in traits]
     if itself:
         raise ValueError(f"a trait cannot be controlled for itself, got {', '.join(itself)} as trait and as control")
-    return encode(table, learn_coding(table, None)), names
+    return table
 
 
 def unit_columns(controls: NDArray[np.float64], weights: NDArray[np.float64] | None = None) -> NDArray[np.float64]:
@@ -70,7 +77,9 @@ def take_out(moments: NDArray[np.float64], shared: NDArray[np.float64]) -> NDArr
     return moments - left @ (np.swapaxes(left, -1, -2) @ moments)
 
 
-def free_directions(scores: NDArray[np.float64], controls: NDArray[np.float64]) -> NDArray[np.float64]:
+def free_directions(
+    scores: NDArray[np.float64], controls: NDArray[np.float64], *, n_walkers: int | None = None
+) -> NDArray[np.float64]:
     """Return a basis B of all controlled filters, Z' S B = 0, shape (n_components, n_free).
 
     Parameters
@@ -79,11 +88,13 @@ def free_directions(scores: NDArray[np.float64], controls: NDArray[np.float64]) 
         Centered.
     controls : ndarray of shape (n_walkers, n_controls)
         From `unit_columns`.
+    n_walkers : int, default None
+        How many walkers there are, if `scores` and `controls` are fewer rows with the same scatter.
     """
     if not controls.shape[1]:
         return np.eye(scores.shape[1])
     lengths = np.linalg.norm(scores, axis=0)
-    counts = lengths > _EPS * max(scores.shape) * lengths.max(initial=0.0)
+    counts = lengths > _EPS * max(scores.shape[1], n_walkers or len(scores)) * lengths.max(initial=0.0)
     directions = scores[:, counts] / lengths[counts]
     left, strengths, _ = np.linalg.svd(directions.T @ controls, full_matrices=True)
     n_taken = int(np.sum(strengths > _VANISHES))

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-__all__ = ["Coding", "encode", "learn_coding", "tabulate"]
+__all__ = ["Coding", "are_numbers", "default_names", "encode", "encode_one", "learn_coding", "tabulate"]
 
 Poles = Mapping[str, Sequence[Hashable]]
 
@@ -44,22 +44,23 @@ def tabulate(y: object, poles: Poles | None = None) -> pd.DataFrame:
     if isinstance(y, pd.DataFrame):
         return y.reset_index(drop=True).rename(columns=str)
     if isinstance(y, pd.Series):
-        name = str(y.name) if y.name is not None else _default_names(1, poles)[0]
+        name = str(y.name) if y.name is not None else default_names(1, poles)[0]
         return y.reset_index(drop=True).to_frame(name)
     array = np.asarray(y) if not isinstance(y, np.ndarray) else y
     if array.ndim not in (1, 2):
         raise ValueError(f"y must have shape (n_walkers,) or (n_walkers, n_traits), got {array.shape}")
     columns = array[:, np.newaxis] if array.ndim == 1 else array
-    return pd.DataFrame(columns, columns=_default_names(columns.shape[1], poles))
+    return pd.DataFrame(columns, columns=default_names(columns.shape[1], poles))
 
 
-def _default_names(n_traits: int, poles: Poles | None) -> list[str]:
+def default_names(n_traits: int, poles: Poles | None) -> list[str]:
+    """Return names of traits whose labels have none: those of `poles` where their numbers agree."""
     if poles and len(poles) == n_traits:
         return list(poles)
     return ["trait"] if n_traits == 1 else [f"trait_{number}" for number in range(n_traits)]
 
 
-def learn_coding(table: pd.DataFrame, poles: Poles | None) -> list[Coding]:
+def learn_coding(table: pd.DataFrame | Mapping[str, pd.Series], poles: Poles | None) -> list[Coding]:
     """Return how each column of labels becomes numbers.
 
     Raises
@@ -86,8 +87,7 @@ def _learn_one(name: str, known: pd.Series, poles: Sequence[Hashable] | None) ->
         raise ValueError(f"poles of trait {name!r} must be two different words, negative end first, got {poles!r}")
     if known.empty:
         raise ValueError(f"trait {name!r}: expected labels, got none but missing ones")
-    numeric = pd.api.types.is_numeric_dtype(_as_numbers(known)) and not pd.api.types.is_bool_dtype(known)
-    if numeric:
+    if are_numbers(known):
         return Coding(name, (poles[0], poles[1]) if poles is not None else ("low", "high"), two_valued=False)
     values = sorted(known.unique().tolist(), key=str)
     if len(values) == 1:
@@ -99,6 +99,12 @@ def _learn_one(name: str, known: pd.Series, poles: Sequence[Hashable] | None) ->
         raise ValueError(f"trait {name!r}: its labels are {values}, but its poles are {list(poles)}")
     low, high = poles if poles is not None else values
     return Coding(name, (low, high), two_valued=True)
+
+
+def are_numbers(known: pd.Series) -> bool:
+    """Return whether labels, none of them missing, are numbers, not words or truth values."""
+    known = _as_numbers(known)
+    return pd.api.types.is_numeric_dtype(known) and not pd.api.types.is_bool_dtype(known)
 
 
 def _as_numbers(labels: pd.Series) -> pd.Series:
@@ -116,17 +122,18 @@ def encode(table: pd.DataFrame, codings: Sequence[Coding]) -> NDArray[np.float64
     """
     if table.shape[1] != len(codings):
         raise ValueError(f"expected labels of {len(codings)} traits, got {table.shape[1]}")
-    columns = []
-    for coding, name in zip(codings, table, strict=True):
-        labels = table[name]
-        if coding.two_valued:
-            codes = {coding.poles[0]: -1.0, coding.poles[1]: 1.0}
-            unknown = [value for value in labels.dropna().unique() if value not in codes]
-            if unknown:
-                raise ValueError(f"trait {coding.name!r}: expected {list(codes)}, got {unknown[0]!r}")
-            columns.append(labels.map(codes).to_numpy(dtype=np.float64, na_value=np.nan))
-        else:
-            columns.append(_as_numbers(labels).to_numpy(dtype=np.float64, na_value=np.nan))
-            if np.isinf(columns[-1]).any():
-                raise ValueError(f"Input y, trait {coding.name!r}, contains infinity; use NaN for a missing label")
-    return np.column_stack(columns)
+    return np.column_stack([encode_one(table[name], coding) for coding, name in zip(codings, table, strict=True)])
+
+
+def encode_one(labels: pd.Series, coding: Coding) -> NDArray[np.float64]:
+    """Return the labels of one trait as numbers, shape (n_walkers,); see `encode`."""
+    if coding.two_valued:
+        codes = {coding.poles[0]: -1.0, coding.poles[1]: 1.0}
+        unknown = [value for value in labels.dropna().unique() if value not in codes]
+        if unknown:
+            raise ValueError(f"trait {coding.name!r}: expected {list(codes)}, got {unknown[0]!r}")
+        return labels.map(codes).to_numpy(dtype=np.float64, na_value=np.nan)
+    numbers = _as_numbers(labels).to_numpy(dtype=np.float64, na_value=np.nan)
+    if np.isinf(numbers).any():
+        raise ValueError(f"Input y, trait {coding.name!r}, contains infinity; use NaN for a missing label")
+    return numbers

@@ -102,21 +102,25 @@ class TraitClassifier(ClassifierMixin, TransformerMixin, BaseEstimator):
         scores = validate_data(self, X, dtype=np.float64, ensure_min_samples=2)
         labels = _one_trait(y, self.poles)
         check_consistent_length(scores, labels, groups)
-        self.classes_ = _two_classes(labels)
-        self.axis_ = TraitRegressor(
-            alpha_unit=self.alpha_unit,
-            direction=self.direction,
-            poles={labels.name: self._poles(labels.name)},
-        )
+        self.axis_ = self._make_axis(labels)
         negative, positive = self._poles(labels.name)
-        codes = labels.eq(positive).map({False: -1.0, True: 1.0})
-        self.axis_.fit(scores, codes, groups, control)
+        self.axis_.fit(scores, labels.eq(positive).map({False: -1.0, True: 1.0}), groups, control)
         alphas = pd.Series(self.axis_.transform(scores)[:, 0])
-        self.alpha_means_ = {pole: float(alphas[labels.eq(pole)].mean()) for pole in (negative, positive)}
-        fitted = pd.Series(self.axis_.predict(scores))
-        self._boundary = 0.0 if self.boundary == "zero" else float(fitted.groupby(codes.to_numpy()).mean().mean())
-        self.alpha_boundary_ = self.axis_.to_alpha(self._boundary)
+        self._report_groups([float(alphas[labels.eq(pole)].mean()) for pole in (negative, positive)])
         return self
+
+    def _make_axis(self, labels: pd.Series) -> TraitRegressor:
+        """Learn the classes, and return the axis that is to be fitted to their codes."""
+        self.classes_ = _two_classes(labels)
+        poles = {labels.name: self._poles(labels.name)}
+        return TraitRegressor(alpha_unit=self.alpha_unit, direction=self.direction, poles=poles)
+
+    def _report_groups(self, means: list[float]) -> None:
+        """Set what follows from the mean alpha of each group, the negative one first."""
+        self.alpha_means_ = dict(zip(self._poles(self.trait_names_[0]), means, strict=True))
+        fitted = [self.axis_.to_label(alpha) for alpha in means]
+        self._boundary = 0.0 if self.boundary == "zero" else float(np.mean(fitted))
+        self.alpha_boundary_ = self.axis_.to_alpha(self._boundary)
 
     def _poles(self, name: str) -> tuple[Hashable, Hashable]:
         if not self.poles:

@@ -103,18 +103,27 @@ class BlockScaler(OneToOneFeatureMixin, TransformerMixin, BaseEstimator):
             If there are fewer features than `n_scalars`, for "noise" no person with two walks, or if `weights` do not
             fit the features.
         """
-        check_choice(self.unit, SCALINGS, name="unit")
         vectors = validate_data(self, X, dtype=np.float64)
-        n_posture = vectors.shape[1] - self.n_scalars
+        spread = vectors.std(axis=0)
+        counted = _spreads_within(vectors, groups) if self.unit == "noise" else spread
+        return self._learn(vectors.mean(axis=0), spread, counted, vectors)
+
+    def _learn(
+        self,
+        mean: NDArray[np.float64],
+        spread: NDArray[np.float64],
+        counted: NDArray[np.float64],
+        vectors: NDArray[np.float64],
+    ) -> Self:
+        """Set what is learned from the mean, the SD and the SD that counts; `vectors` tell how large features are."""
+        check_choice(self.unit, SCALINGS, name="unit")
+        n_posture = len(mean) - self.n_scalars
         if n_posture < 0 or self.n_scalars < 0:
             raise ValueError(
-                f"expected at least the n_scalars={self.n_scalars} single features, got {vectors.shape[1]} feature(s) "
-                "in all"
+                f"expected at least the n_scalars={self.n_scalars} single features, got {len(mean)} feature(s) in all"
             )
-        weights = take_weights(self.weights, vectors.shape[1], getattr(self, "feature_names_in_", None))
-        self.mean_ = vectors.mean(axis=0)
-        self.spread_ = vectors.std(axis=0)
-        counted = _spreads_within(vectors, groups) if self.unit == "noise" else self.spread_
+        weights = take_weights(self.weights, len(mean), getattr(self, "feature_names_in_", None))
+        self.mean_, self.spread_ = mean, spread
         self.scale_ = feature_scales(
             vectors, counted, n_scalars=self.n_scalars, unit=self.unit, tolerance=self.tolerance, weights=weights
         )

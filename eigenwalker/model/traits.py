@@ -1,5 +1,6 @@
 """Trait axes: what walkers differ in, learned from labels, and steps along it (Troje 2002, section 3)."""
 
+from collections.abc import Mapping, Sequence
 from typing import Self
 
 import numpy as np
@@ -17,7 +18,7 @@ from eigenwalker._validation import check_choice
 from eigenwalker.model._axes import ALPHA_UNITS, DIRECTIONS, Axes, displacement, fit_axes, move, unit_lengths
 from eigenwalker.model._control import take_controls
 from eigenwalker.model._guards import LIMIT, distance_limit, distances, warn_outside
-from eigenwalker.model._labels import Poles, encode, learn_coding, tabulate
+from eigenwalker.model._labels import Coding, Poles, encode, learn_coding, tabulate
 from eigenwalker.model._persons import mean_by_person, number_persons
 
 __all__ = ["TraitRegressor"]
@@ -72,7 +73,8 @@ class TraitRegressor(RegressorMixin, TransformerMixin, BaseEstimator):
     control_names_ : list of str
         From the columns of `control`.
     alphas_ : ndarray of shape (n_persons, n_traits)
-        Alpha of each training walker, or the mean over the walks of each person.
+        Alpha of each training walker, or the mean over the walks of each person. Missing after ``fit_stream(...,
+        alphas=False)``, which leaves them out.
     poles_ : dict of str to tuple
         Words for the ends of each trait.
     alpha_means_ : dict of str to dict
@@ -126,36 +128,43 @@ class TraitRegressor(RegressorMixin, TransformerMixin, BaseEstimator):
             If a trait has no labels, one class only or more than two words, if `control` has missing values or leaves
             no direction for an axis, or if a parameter is out of range.
         """
-        check_choice(self.alpha_unit, ALPHA_UNITS, name="alpha_unit")
-        check_choice(self.direction, DIRECTIONS, name="direction")
+        self._check_settings()
         if y is None:
             raise ValueError("requires y to be passed, but the target y is None")
         scores = validate_data(self, X, dtype=np.float64, ensure_min_samples=2)
         check_consistent_length(scores, y, groups)
         table = tabulate(y, self.poles)
-        self._codings = learn_coding(table, self.poles)
-        labels = encode(table, self._codings)
-        self.trait_names_ = [coding.name for coding in self._codings]
-        controls, self.control_names_ = take_controls(control, len(scores), self.trait_names_)
+        codings = learn_coding(table, self.poles)
+        labels = encode(table, codings)
+        controls, control_names = take_controls(control, len(scores), [coding.name for coding in codings])
         persons = None if groups is None else number_persons(groups, len(scores))
-        axes = fit_axes(scores, labels, persons, controls)
-        self.coef_, self.intercept_, self.mean_, self.covariance_, self.alpha_sd_ = axes
-        self.poles_ = {coding.name: coding.poles for coding in self._codings}
-        self._is_single = len(getattr(y, "shape", np.shape(np.asarray(y)))) == 1
+        is_single = len(getattr(y, "shape", np.shape(np.asarray(y)))) == 1
+        self._learn(fit_axes(scores, labels, persons, controls), codings, control_names, is_single=is_single)
         alphas = self._alphas(scores)
         self.alphas_ = alphas if persons is None else mean_by_person(alphas, persons)
-        self._report_groups(alphas, labels)
+        self._report_groups(
+            {
+                coding.name: [float(alphas[labels[:, trait] == code, trait].mean()) for code in (-1.0, 1.0)]
+                for trait, coding in enumerate(codings)
+                if coding.two_valued
+            }
+        )
         return self
 
-    def _report_groups(self, alphas: NDArray[np.float64], labels: NDArray[np.float64]) -> None:
-        self.alpha_means_, self.alpha_boundary_ = {}, {}
-        for trait, coding in enumerate(self._codings):
-            if coding.two_valued:
-                self.alpha_means_[coding.name] = {
-                    pole: float(alphas[labels[:, trait] == code, trait].mean())
-                    for pole, code in zip(coding.poles, (-1.0, 1.0), strict=True)
-                }
-                self.alpha_boundary_[coding.name] = self.to_alpha(0.0, trait)
+    def _check_settings(self) -> None:
+        check_choice(self.alpha_unit, ALPHA_UNITS, name="alpha_unit")
+        check_choice(self.direction, DIRECTIONS, name="direction")
+
+    def _learn(self, axes: Axes, codings: list[Coding], control_names: list[str], *, is_single: bool) -> None:
+        self.coef_, self.intercept_, self.mean_, self.covariance_, self.alpha_sd_ = axes
+        self._codings, self._is_single = codings, is_single
+        self.trait_names_ = [coding.name for coding in codings]
+        self.control_names_ = control_names
+        self.poles_ = {coding.name: coding.poles for coding in codings}
+
+    def _report_groups(self, means: Mapping[str, Sequence[float]]) -> None:
+        self.alpha_means_ = {name: dict(zip(self.poles_[name], pair, strict=True)) for name, pair in means.items()}
+        self.alpha_boundary_ = {name: self.to_alpha(0.0, self.trait_names_.index(name)) for name in means}
 
     def to_alpha(self, label: float, trait: int = 0) -> float:
         """Return the alpha at which a label is predicted.
@@ -302,7 +311,33 @@ class TraitRegressor(RegressorMixin, TransformerMixin, BaseEstimator):
             training in the directions that PCA chose because these vary most in them: more than the share lie within.
         """
         check_is_fitted(self)
-        return distance_limit(len(self.alphas_), len(self.mean_), share)
+        return distance_limit(self.n_walkers_, len(self.mean_), share)
+
+    @property
+    def n_walkers_(self) -> int:
+        """How many walkers there were in training, or persons."""
+        check_is_fitted(self)
+        return len(self.alphas_) if hasattr(self, "alphas_") else self._n_walkers
+
+    def training_alphas(self) -> NDArray[np.float64]:
+        """Return `alphas_`.
+
+        Returns
+        -------
+        ndarray of shape (n_persons, n_traits)
+
+        Raises
+        ------
+        ValueError
+            If the axes were learned without keeping them.
+        """
+        check_is_fitted(self)
+        if not hasattr(self, "alphas_"):
+            raise ValueError(
+                "expected a model that knows the alphas of its training walkers, got one of which they were not kept; "
+                "fit it anew with fit_stream(..., alphas=True)"
+            )
+        return self.alphas_
 
     def step(self, alphas: ArrayLike, traits: list[str]) -> NDArray[np.float64]:
         """Return the steps from a walker's score that change its alpha on some traits and leave the others free.

@@ -187,7 +187,7 @@ def score_walker(model: Pipeline, walk: Walk | JointWalk, *, level: float = 0.95
         n_strides=len(strides),
         distance=float(distance[0]),
         distance_limit=axes.distance_limit(LIMIT),
-        share_beyond=float(share_beyond(distance, len(axes.alphas_), len(axes.mean_))[0]),
+        share_beyond=float(share_beyond(distance, axes.n_walkers_, len(axes.mean_))[0]),
         residual=_residual(reduction, vector),
         features=_features_table(linearizer, reduction[0], np.asarray(vector)[0]),
         walk=prepared,
@@ -242,8 +242,9 @@ def _interval(alphas: NDArray[np.float64], by_stride: NDArray[np.float64], level
 def _axes_table(
     axes: TraitRegressor, alphas: NDArray[np.float64], interval: NDArray[np.float64], labels: NDArray[np.float64]
 ) -> pd.DataFrame:
-    ties = _TIE * axes.alphas_.std(axis=0)
-    below, with_ties = axes.alphas_ < alphas - ties, axes.alphas_ <= alphas + ties
+    trained = axes.training_alphas()
+    ties = _TIE * trained.std(axis=0)
+    below, with_ties = trained < alphas - ties, trained <= alphas + ties
     negative, positive = zip(*(axes.poles_[name] for name in axes.trait_names_), strict=True)
     columns = {
         "alpha": alphas,

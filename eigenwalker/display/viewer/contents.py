@@ -197,7 +197,7 @@ def _body(linearizer: FourierLinearizer) -> dict[str, Any]:
 
 def _trait(axes: TraitRegressor, trait: int) -> dict[str, Any]:
     """Return the words of a trait, where its data end, and how far its slider goes."""
-    name, alphas = axes.trait_names_[trait], axes.alphas_[:, trait]
+    name, alphas = axes.trait_names_[trait], axes.training_alphas()[:, trait]
     spread = axes.alpha_sd_[trait] / (axes.to_label(1.0, trait) - axes.to_label(0.0, trait))
     negative, positive = axes.poles_[name]
     reach = max(_REACH * spread, float(np.abs(alphas).max()))
