@@ -20,10 +20,11 @@ ALLOWED = {
     "model": {"_validation", "_collect", "motion"},
     "hsmm": {"_validation", "_collect", "motion"},
     "persistence": {"_validation", "_collect", "motion", "io", "datasets", "model", "hsmm"},
+    "batch": {"_validation", "_collect", "motion", "io", "datasets", "model", "hsmm", "persistence"},
     "display": {"_validation", "_collect", "motion", "io", "datasets", "model", "hsmm", "persistence"},
     "experiment": {"_validation", "_collect", "motion", "io", "datasets", "model", "hsmm", "persistence", "display"},
     "cli": {
-        *("_validation", "_collect", "motion", "io", "datasets", "model", "hsmm", "persistence", "display"),
+        *("_validation", "_collect", "motion", "io", "datasets", "model", "hsmm", "persistence", "batch", "display"),
         "experiment",
     },
     "__main__": {"cli"},

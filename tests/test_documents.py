@@ -69,7 +69,7 @@ def test_readme_options_are_there(capsys, title, command):
 def test_readme_names_all_commands(capsys):
     with pytest.raises(SystemExit):
         main(["--help"])
-    commands = re.findall(r"^    ([a-z]+) ", capsys.readouterr().out, flags=re.MULTILINE)
+    commands = re.findall(r"^    ([a-z]+)\b", capsys.readouterr().out, flags=re.MULTILINE)
     row = README.partition("| `eigenwalker` (command) | ")[2].partition(" |")[0]
     assert row == ", ".join(f"`{command}`" for command in commands)
 

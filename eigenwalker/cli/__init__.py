@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 
 from threadpoolctl import threadpool_limits
 
-from eigenwalker.cli import demo, fit, gait, restyle, style, view, walk
+from eigenwalker.cli import demo, fit, gait, linearize, restyle, study, style, view, walk
 
 __all__ = ["main"]
 
@@ -44,7 +44,7 @@ def _make_parser() -> argparse.ArgumentParser:
         description="Statistics of human walking: learn what walkers differ in, and make walks along it.",
     )
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for module in (demo, gait, fit, walk, restyle, style, view):
+    for module in (demo, gait, fit, walk, restyle, style, view, linearize, study):
         name = module.__name__.rpartition(".")[2]
         command = commands.add_parser(name, help=module.HELP, description=module.DESCRIPTION)
         module.add_arguments(command)

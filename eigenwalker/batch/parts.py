@@ -1,0 +1,180 @@
+"""Part files of a data set: so many rows each, written as a whole or not at all."""
+
+import hashlib
+import os
+import re
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from eigenwalker.batch.rows import QUALITY, Row
+
+__all__ = ["Finished", "check_parts", "make_schema", "part_paths", "pyarrow", "read_part", "sole_writer", "write_part"]
+
+_NAME = re.compile(r"part-([0-9]{6,})-([0-9a-f]{16})\.parquet")
+_HALF = ".part.tmp"  # one writer, so one name; readers of data sets pass over names with a dot in front
+_MARK = b"eigenwalker"
+_TEXTS = ("file", "name", "reason", "warnings")
+
+
+class Finished(NamedTuple):
+    """What the parts of a data set hold.
+
+    Parameters
+    ----------
+    files : set of str
+        The files with rows.
+    n_walks, n_refused : int
+        Number of rows with features, and without.
+    numbers : set of int
+        Numbers of the parts.
+    """
+
+    files: set[str]
+    n_walks: int
+    n_refused: int
+    numbers: set[int]
+
+
+def pyarrow() -> Any:
+    """Return the package that reads and writes Parquet."""
+    try:
+        import pyarrow
+        import pyarrow.parquet
+    except ImportError:
+        raise ImportError("tables of many files need pyarrow: pip install 'eigenwalker[parquet]'") from None
+    return pyarrow
+
+
+def make_schema(features: Sequence[str], mark: str) -> Any:
+    """Return the columns of the table: texts, quality, features."""
+    pa = pyarrow()
+    numbers = [*(name for name in QUALITY if name not in features), *features]
+    columns = [(name, pa.string()) for name in _TEXTS] + [(name, pa.float64()) for name in numbers]
+    return pa.schema(columns, metadata={_MARK: mark})
+
+
+def write_part(folder: Path, number: int, rows: Sequence[Row], schema: Any) -> Path:
+    """Write rows into a file of their own. The hash of its bytes is in its name."""
+    pa = pyarrow()
+    sink = pa.BufferOutputStream()
+    pa.parquet.write_table(_make_table(rows, schema), sink, use_dictionary=False)
+    data = sink.getvalue()
+    path = folder / f"part-{number:06d}-{_digest(data)}.parquet"
+    with (folder / _HALF).open("wb") as file:
+        file.write(data)
+        file.flush()
+        os.fsync(file.fileno())
+    os.replace(folder / _HALF, path)
+    return path
+
+
+def _make_table(rows: Sequence[Row], schema: Any) -> Any:
+    pa = pyarrow()
+    n_features = next((len(row.features) for row in rows if row.features is not None), 0)
+    empty = (np.full(len(QUALITY), np.nan), np.full(n_features, np.nan))
+    quality = np.array([row.quality or empty[0] for row in rows])
+    features = np.array([empty[1] if row.features is None else row.features for row in rows])
+    is_refused = np.array([row.features is None for row in rows])
+    names = [name for name in schema.names if name not in _TEXTS]
+    places = {name: quality[:, place] for place, name in enumerate(QUALITY)}
+    places |= {name: features[:, place] for place, name in enumerate(names[len(names) - n_features :])}
+    columns = [pa.array([getattr(row, name) for row in rows], pa.string()) for name in _TEXTS]
+    missing = np.full(len(rows), np.nan)
+    columns += [pa.array(places.get(name, missing), pa.float64(), mask=is_refused) for name in names]
+    return pa.table(columns, schema=schema)
+
+
+def part_paths(folder: Path) -> list[Path]:
+    """Return the part files in a folder, in their order."""
+    return [
+        path for _, path in sorted((_number(path), path) for path in folder.iterdir() if _NAME.fullmatch(path.name))
+    ]
+
+
+def _number(path: Path) -> int:
+    found = _NAME.fullmatch(path.name)
+    assert found is not None
+    return int(found[1])
+
+
+def read_part(path: Path, *, mark: str, columns: Sequence[str] | None = None) -> Any:
+    """Return the table in a part file.
+
+    Raises
+    ------
+    ValueError
+        If the file is not as it was written, or is part of a data set with other settings.
+    """
+    pa, data = pyarrow(), path.read_bytes()
+    if not _is_sound(path, data):
+        raise ValueError(
+            f"{path}: the file is damaged, it is not as it was written; call linearize_files again with the same "
+            "files, which makes its rows anew"
+        )
+    table = pa.parquet.read_table(pa.BufferReader(data), columns=columns)
+    if (table.schema.metadata or {}).get(_MARK) != mark.encode():
+        raise ValueError(f"{path}: expected a part with the settings of this data set, got one of another; take it out")
+    return table
+
+
+def check_parts(folder: Path, mark: str) -> Finished:
+    """Return what the parts hold; those that were not written to the end, or are damaged, are deleted.
+
+    Warns
+    -----
+    UserWarning
+        For each part that was damaged.
+    """
+    (folder / _HALF).unlink(missing_ok=True)
+    files, numbers, n_refused, n_rows = set(), set(), 0, 0
+    for path in part_paths(folder):
+        if not _is_sound(path, path.read_bytes()):
+            warnings.warn(f"{path}: the file was damaged and is deleted; its rows are made anew", stacklevel=3)
+            path.unlink()
+            continue
+        table = read_part(path, mark=mark, columns=["file", "reason"])
+        files.update(table["file"].to_pylist())
+        numbers.add(_number(path))
+        n_refused += len(table) - table["reason"].null_count
+        n_rows += len(table)
+    return Finished(files, n_rows - n_refused, n_refused, numbers)
+
+
+def _is_sound(path: Path, data: bytes) -> bool:
+    found = _NAME.fullmatch(path.name)
+    return found is not None and found[2] == _digest(data)
+
+
+def _digest(data: Any) -> str:
+    return hashlib.sha256(data).hexdigest()[:16]
+
+
+@contextmanager
+def sole_writer(folder: Path) -> Iterator[None]:
+    """Keep other processes from writing to a folder at the same time, where the system can.
+
+    Raises
+    ------
+    ValueError
+        If another process is writing to it.
+    """
+    try:
+        import fcntl
+    except ImportError:  # not a Unix
+        yield
+        return
+    with (folder / "_lock").open("w") as file:
+        try:
+            fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except (BlockingIOError, PermissionError):
+            raise ValueError(
+                f"{folder}: another process is writing to it; wait for it, or choose another folder"
+            ) from None
+        except OSError:
+            pass  # a file system without locks
+        yield

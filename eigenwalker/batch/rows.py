@@ -1,0 +1,202 @@
+"""What becomes of one file: a row for each of its walks, or the reason why there is none."""
+
+import math
+import threading
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from dataclasses import dataclass, replace
+from functools import cache
+from os import PathLike, fspath
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from sklearn.base import clone
+from threadpoolctl import ThreadpoolController
+
+from eigenwalker._validation import WalkError
+from eigenwalker.model.linearization import FourierLinearizer
+from eigenwalker.motion.fourier import explained_power
+from eigenwalker.motion.preparation import prepare
+from eigenwalker.motion.quality import walk_quality
+from eigenwalker.motion.walk import JointWalk, Walk
+
+__all__ = ["QUALITY", "Job", "Row", "file_of", "find_walk", "rows_of_files"]
+
+QUALITY = ("duration", "n_cycles", "speed", "explained_power", "path_residual")
+"""What `walk_quality` says of a walk and its features do not: columns of the table."""
+
+_KINDS = (Walk, JointWalk)
+_MARKERS = {"pelvis", "left_ankle", "right_ankle"}  # without which walk_quality cannot say anything
+_ONE_AT_A_TIME = threading.RLock()
+
+
+class Row(NamedTuple):
+    """One walk, or one refusal.
+
+    Parameters
+    ----------
+    file : str
+        The file it is from, as it was given.
+    name : str, default None
+        The walk's name; None if it was not read that far.
+    reason : str, default None
+        Why it was refused; None if it was not.
+    warnings : str, default None
+        What was warned of on the way, one line a warning.
+    quality : tuple of float, default empty
+        In the order of `QUALITY`.
+    features : ndarray of shape (n_features,), default None
+        The vector of the linearizer; None for a refusal.
+    """
+
+    file: str
+    name: str | None = None
+    reason: str | None = None
+    warnings: str | None = None
+    quality: tuple[float, ...] = ()
+    features: NDArray[np.float64] | None = None
+
+
+@dataclass(frozen=True)
+class Job:
+    """What is done to every file.
+
+    Parameters
+    ----------
+    read : callable
+        Takes an item, returns a walk or an iterable of walks.
+    preparation : mapping
+        Arguments of `prepare`; None leaves walks as they are read.
+    linearizer : FourierLinearizer
+        Fitted, or not yet while a first walk is looked for.
+    """
+
+    read: Callable[..., Any]
+    preparation: Mapping[str, Any] | None
+    linearizer: FourierLinearizer
+
+
+def file_of(item: object) -> str:
+    """Return what an item is called in the table: a path as it is, anything else as text."""
+    return fspath(item) if isinstance(item, (str, PathLike)) else str(item)
+
+
+def rows_of_files(job: Job, items: Iterable[object]) -> list[list[Row]]:
+    """Return the rows of each of some files, read, prepared and linearized walk by walk.
+
+    A WalkError, ValueError or OSError is a refusal, and becomes a row with its reason. Anything else propagates, with
+    the name of the file.
+    """
+    with _one_thread():
+        return [_rows_of_file(job, item) for item in items]
+
+
+def find_walk(job: Job, item: object) -> tuple[Walk | JointWalk | None, str | None]:
+    """Return the first usable walk in a file, prepared, or None and the reason why there is none.
+
+    Parameters of the linearizer that are out of range are no reason, but an error.
+    """
+    walks, reason = _recorded(job, item), None
+    with _catch_warnings():
+        while True:
+            try:
+                walk = next(walks, None)
+                walk = None if walk is None else _prepared(job, walk)
+            except (ValueError, OSError) as error:
+                reason = reason or _reason(error)
+                continue
+            try:
+                if walk is not None:
+                    clone(job.linearizer).fit([walk]).transform([walk])
+                return walk, reason
+            except WalkError as error:
+                reason = reason or _reason(error)
+
+
+def _rows_of_file(job: Job, item: object) -> list[Row]:
+    file, walks = file_of(item), _recorded(job, item)
+    rows: list[Row] = []
+    while True:
+        with _catch_warnings() as caught:
+            row = _next_row(job, file, walks)
+        if row is None:
+            return rows or [Row(file, reason="expected at least one walk in the file, got none")]
+        said = dict.fromkeys(" ".join(str(entry.message).split()) for entry in caught)
+        rows.append(row._replace(warnings="\n".join(said) or None))
+
+
+def _next_row(job: Job, file: str, walks: Iterator[Walk | JointWalk]) -> Row | None:
+    """Return the row of the next walk in a file, or None after the last one."""
+    name = None
+    try:
+        walk = next(walks, None)
+        if walk is None:
+            return None
+        name = walk.name
+        return _linearized(job, file, _prepared(job, walk))
+    except (ValueError, OSError) as error:  # a WalkError is a ValueError
+        return Row(file, name, _reason(error))
+    except Exception as error:
+        error.add_note(f"while {file} was read, prepared and linearized")
+        raise
+
+
+def _reason(error: Exception) -> str:
+    return " ".join(str(error).split()) or type(error).__name__
+
+
+def _recorded(job: Job, item: object) -> Iterator[Walk | JointWalk]:
+    """Yield the walks in a file. A generator, so that nothing comes after an error."""
+    found = job.read(item)
+    for walk in [found] if isinstance(found, _KINDS) else found:
+        if not isinstance(walk, _KINDS):
+            raise TypeError(f"read must return a walk or an iterable of walks, got {type(walk).__name__} in it")
+        yield walk
+
+
+def _prepared(job: Job, walk: Walk | JointWalk) -> Walk | JointWalk:
+    if job.preparation is None:
+        return walk
+    if job.preparation.get("representation") == "joints" and not isinstance(walk, JointWalk):
+        raise WalkError(f"walk {walk.name!r}: expected joints, as BVH and AMC files hold, got markers")
+    return prepare(walk, **job.preparation)
+
+
+def _linearized(job: Job, file: str, walk: Walk | JointWalk) -> Row:
+    features = job.linearizer.transform([walk])[0]
+    frequency = float(features[-1 - len(job.linearizer.extras)])
+    return Row(file, walk.name, quality=_quality(walk, frequency, job.linearizer.n_harmonics), features=features)
+
+
+def _quality(walk: Walk | JointWalk, frequency: float, n_harmonics: int) -> tuple[float, ...]:
+    """Return what `walk_quality` says, for the frequency among the features; for joints no `path_residual`."""
+    if isinstance(walk, Walk) and set(walk.marker_set.names) >= _MARKERS:
+        found = walk_quality(replace(walk, frequency=frequency), n_harmonics=n_harmonics)
+        return tuple(getattr(found, name) for name in QUALITY)
+    power = explained_power(walk.channels, walk.frame_rate, frequency, n_harmonics)
+    return walk.duration, frequency * walk.duration, walk.speed, power, math.nan
+
+
+@contextmanager
+def _catch_warnings() -> Iterator[Sequence[warnings.WarningMessage]]:
+    # Two threads that catch warnings at once would spoil each other's lists. Waiting costs little: what is between two
+    # warnings is Python and holds its lock anyway.
+    with _ONE_AT_A_TIME, warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        yield caught
+
+
+def _one_thread() -> AbstractContextManager[Any]:
+    """Keep linear algebra to one thread: matrices are small. In threads the limit would be lifted by whoever is first.
+
+    Dask limits the threads of its workers itself.
+    """
+    in_main = threading.current_thread() is threading.main_thread()
+    return _pools().limit(limits=1) if in_main else nullcontext()
+
+
+@cache
+def _pools() -> ThreadpoolController:
+    return ThreadpoolController()  # looks through all libraries of the process, which takes milliseconds
