@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 from scipy.linalg import solveh_banded
 
 from benchmarks import _measure
+from benchmarks._findings import Row
+from benchmarks._tables import print_table
 from eigenwalker.hsmm.features import WINDOWS
 from eigenwalker.hsmm.generation import generate_trajectory, normal_equations
 from eigenwalker.hsmm.global_variance import GlobalVariance, generate_with_variance
@@ -23,24 +25,14 @@ _N_CHANNELS = 54
 _OURS, _EXACT = "eigenwalker", "eigenwalker, global variance"
 _SOLVEH, _HALVES = "scipy solveh_banded", "scipy solveh_banded, even and odd frames apart"
 _NNMNKWII = "nnmnkwii mlpg"
+_WANTED = {(600, _SOLVEH): 4, (600, _NNMNKWII): 5}
+_WANTED_OF_LONG = 0.5  # no cliff: a frame of 100 s takes at most twice as long as one of 10 s
+_BOUND = 1e-10  # radians
 
 
-def compare_generation(n_rounds: int) -> list[tuple[str, str, bool | None]]:
-    """Print a table for each length, and return the targets."""
-    seconds, error = _compare(600, 3 * n_rounds)
-    _compare(6000, n_rounds)
-    cliff = _compare_lengths(10 * n_rounds)
-    faster = {name: _measure.ratio(seconds, name, _OURS) if name in seconds else None for name in (_SOLVEH, _NNMNKWII)}
-    return [
-        ("generation at least 4 times as fast as solveh_banded", f"{faster[_SOLVEH]:.1f}", faster[_SOLVEH] >= 4),
-        (
-            "generation at least 5 times as fast as nnmnkwii",
-            "not installed" if faster[_NNMNKWII] is None else f"{faster[_NNMNKWII]:.1f}",
-            None if faster[_NNMNKWII] is None else faster[_NNMNKWII] >= 5,
-        ),
-        ("trajectories within 1e-10 of solveh_banded's", f"{error:.1e}", error <= 1e-10),
-        ("no cliff: a frame of 6,000 at most twice one of 600", f"{cliff:.2f}", cliff <= 2),
-    ]
+def compare_generation(n_rounds: int) -> list[Row]:
+    """Print a table for each length, and return the rows of both, and of a long one beside a short one."""
+    return [*_compare(600, 3 * n_rounds), *_compare(6000, n_rounds), _compare_lengths(10 * n_rounds)]
 
 
 def make_states(n_frames: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -87,15 +79,12 @@ def make_nnmnkwii() -> Callable[[NDArray[np.float64], NDArray[np.float64]], NDAr
     return lambda means, variances: mlpg(means, variances, windows)
 
 
-def _compare(n_frames: int, n_rounds: int) -> tuple[dict[str, NDArray[np.float64]], float]:
-    """Print times, errors and peak memory for one length, and return the times and our error."""
+def _compare(n_frames: int, n_rounds: int) -> list[Row]:
+    """Print times, errors and peak memory for one length, and return a row for each peer."""
     means, variances = make_states(n_frames)
     functions = {_OURS: generate_trajectory, _SOLVEH: generate_by_scipy, _HALVES: generate_by_halves}
-    missing = []
-    try:
-        functions[_NNMNKWII] = make_nnmnkwii()
-    except Exception as error:  # whatever a peer's import raises is the reason its row gives
-        missing.append([_NNMNKWII, f"did not import: {error}", "", "", ""])
+    found, missing = _measure.try_peers({_NNMNKWII: make_nnmnkwii})
+    functions |= found
     plain = generate_by_scipy(means, variances)
     target = GlobalVariance(1.3 * plain.var(axis=0), (0.2 * plain.var(axis=0)) ** 2)
     n_calls = max(1, 6000 // n_frames)
@@ -113,21 +102,36 @@ def _compare(n_frames: int, n_rounds: int) -> tuple[dict[str, NDArray[np.float64
         median, peak = np.median(seconds[name]), _peak_bytes(function, means, variances) / means.nbytes
         ratio = _measure.ratio(seconds, name, _OURS)
         rows.append([name, f"{median * 1e3:.2f}", f"{ratio:.1f}", error, f"{peak:.1f}"])
-    _measure.print_table(
+    print_table(
         f"{n_frames} frames, {_N_CHANNELS} channels, {means.nbytes / 1e6:.1f} MB of means; "
         f"median of {n_rounds} rounds of {n_calls}",
         ["", "ms", "time / ours", "most off solveh_banded, rad", "peak memory / means"],
-        rows + missing,
+        rows + [[name, reason, "", "", ""] for name, reason in missing.items()],
     )
-    return seconds, float(np.abs(generate_trajectory(means, variances) - plain).max())
+    ours = generate_trajectory(means, variances)
+    return [
+        _measure.beside(
+            f"HSMM generation, {n_frames} frames",
+            seconds,
+            _OURS,
+            peer,
+            wanted=_WANTED.get((n_frames, peer)),
+            error=float(np.abs(ours - functions[peer](means, variances)).max()) if peer in functions else None,
+            bound=_BOUND,
+            unit="rad",
+            note=missing.get(peer, ""),
+        )
+        for peer in (_SOLVEH, _NNMNKWII)
+    ]
 
 
-def _compare_lengths(n_rounds: int) -> float:
-    """Return how many times longer a frame of 100 s takes us than one of 10 s, both of them in turns."""
+def _compare_lengths(n_rounds: int) -> Row:
+    """Return the row of a frame of 100 s beside one of 10 s, both of them in turns."""
     short, long = make_states(600), make_states(6000)
-    jobs = {"10 s": lambda turn: len([generate_trajectory(*short) for _ in range(10)]) * 600}
+    jobs = {"ours, 10 s": lambda turn: len([generate_trajectory(*short) for _ in range(10)]) * 600}
     jobs["100 s"] = lambda turn: len(generate_trajectory(*long))
-    return _measure.ratio(_measure.interleaved(jobs, n_rounds), "100 s", "10 s")
+    seconds = _measure.interleaved(jobs, n_rounds)
+    return _measure.beside("HSMM generation of 100 s, a frame", seconds, "100 s", "ours, 10 s", wanted=_WANTED_OF_LONG)
 
 
 def _peak_bytes(function: Callable, *arguments: NDArray[np.float64]) -> int:

@@ -1,55 +1,25 @@
-"""What the benchmarks share: the machine, interleaved timing, the bandwidth of memory, tables."""
+"""Times of several ways to do a job in turns, the rows that come of them, and the bandwidth of memory."""
 
-import os
-import platform
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from importlib.metadata import PackageNotFoundError, version
+from typing import Any
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-from threadpoolctl import threadpool_info
 
-__all__ = [
-    "describe_machine",
-    "interleaved",
-    "print_table",
-    "print_targets",
-    "ratio",
-    "read_bandwidth",
-    "sum_values",
-]
+from benchmarks._findings import Row
+
+__all__ = ["beside", "interleaved", "once", "ratio", "read_bandwidth", "sum_values", "try_peers"]
+
+Seconds = Mapping[str, NDArray[np.float64]]
 
 
-def describe_machine(packages: Sequence[str] = ("numpy", "scipy", "scikit-learn", "numba")) -> str:
-    """Return processor, cores, versions and the threads of the linear algebra, in two lines."""
-    pools = ", ".join(f"{pool['internal_api']} {pool['num_threads']}" for pool in threadpool_info()) or "none"
-    versions = ", ".join(f"{package} {_version(package)}" for package in packages)
-    return (
-        f"Machine: {_processor()}, {os.cpu_count()} cores; {platform.system()}; threads a pool: {pools}\n"
-        f"Versions: Python {platform.python_version()}, {versions}"
-    )
-
-
-def _version(package: str) -> str:
-    try:
-        return version(package)
-    except PackageNotFoundError:
-        return "not installed"
-
-
-def _processor() -> str:
-    try:
-        with open("/proc/cpuinfo", encoding="utf-8") as lines:
-            return next(line.split(":", 1)[1].strip() for line in lines if line.startswith("model name"))
-    except (OSError, StopIteration):
-        return platform.processor() or platform.machine()
-
-
-def interleaved(functions: Mapping[str, Callable[[int], float]], n_rounds: int) -> dict[str, NDArray[np.float64]]:
-    """Return seconds a walk of each function in each round, shape (n_rounds,), after one round that is not counted.
+def interleaved(
+    functions: Mapping[str, Callable[[int], float]], n_rounds: int, *, warm: bool = True
+) -> dict[str, NDArray[np.float64]]:
+    """Return seconds a walk of each function in each round, shape (n_rounds,).
 
     Parameters
     ----------
@@ -57,9 +27,11 @@ def interleaved(functions: Mapping[str, Callable[[int], float]], n_rounds: int) 
         Each takes the number of the round, works on some walks, and returns how many they were.
     n_rounds : int
         Rounds in which all functions take turns, so that all of them meet the same other load.
+    warm : bool
+        Whether there is a round before them that is not counted.
     """
     seconds = {name: np.empty(n_rounds) for name in functions}
-    for turn in range(-1, n_rounds):
+    for turn in range(-1 if warm else 0, n_rounds):
         for name, function in functions.items():
             start = time.perf_counter()
             n_walks = function(max(turn, 0))
@@ -68,9 +40,48 @@ def interleaved(functions: Mapping[str, Callable[[int], float]], n_rounds: int) 
     return seconds
 
 
-def ratio(seconds: Mapping[str, NDArray[np.float64]], name: str, reference: str) -> float:
+def once(job: Callable[[], object]) -> Callable[[int], int]:
+    """Return a function for `interleaved` that does a job once in each round, whatever it is counted as one."""
+
+    def run(turn: int) -> int:
+        job()
+        return 1
+
+    return run
+
+
+def try_peers(peers: Mapping[str, Callable[[], Any]]) -> tuple[dict[str, Any], dict[str, str]]:
+    """Call each peer once; return what those return that run, and the reasons why the others do not."""
+    found, missing = {}, {}
+    for name, call in peers.items():
+        try:
+            found[name] = call()
+        except Exception as error:  # whatever a peer's import raises is the reason its row gives
+            missing[name] = f"did not run: {error}"
+    return found, missing
+
+
+def ratio(seconds: Seconds, name: str, reference: str) -> float:
     """Return how many times slower `name` is than `reference`, the median over the rounds."""
     return float(np.median(seconds[name] / seconds[reference]))
+
+
+def beside(task: str, seconds: Seconds, ours: str, peer: str, *, times: float = 1.0, **asked: Any) -> Row:
+    """Return the row of two of the ways that `interleaved` has timed.
+
+    Parameters
+    ----------
+    ours, peer : str
+        Their names. A peer without seconds did not run; `note` should say why.
+    times : float
+        How many of what the seconds are of make the task.
+    **asked
+        `wanted`, `error`, `bound`, `unit` and `note` of the row.
+    """
+    mine = times * float(np.median(seconds[ours]))
+    if peer not in seconds:
+        return Row(task, mine, peer, None, None, **asked)
+    return Row(task, mine, peer, times * float(np.median(seconds[peer])), ratio(seconds, peer, ours), **asked)
 
 
 @njit(cache=True, nogil=True, fastmath=True)
@@ -93,20 +104,3 @@ def read_bandwidth(n_cores: int, *, megabytes: int = 1024, n_rounds: int = 5) ->
             list(pool.map(sum_values, parts))
             seconds.append(time.perf_counter() - start)
     return megabytes * 2**20 / min(seconds)
-
-
-def print_table(title: str, header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
-    """Print a table with columns as wide as their longest cell, the first to the left, the others to the right."""
-    lines = [list(header), *[list(row) for row in rows]]
-    widths = [max(len(line[column]) for line in lines) for column in range(len(header))]
-    print(f"\n{title}")
-    for line in lines:
-        cells = [cell.rjust(width) for cell, width in zip(line[1:], widths[1:], strict=True)]
-        print("  ".join([line[0].ljust(widths[0]), *cells]).rstrip())
-
-
-def print_targets(targets: Iterable[tuple[str, str, bool | None]]) -> None:
-    """Print which targets are met: what is wanted, what was measured, and whether that is enough (None: not run)."""
-    print("\nTargets")
-    for wanted, measured, met in targets:
-        print(f"  {'met   ' if met else 'not run' if met is None else 'MISSED'} {wanted}: {measured}")

@@ -9,8 +9,9 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from benchmarks._measure import print_table
+from benchmarks._findings import Check
 from benchmarks._style_splits import Recorded, StyleSplit
+from benchmarks._tables import print_table
 from eigenwalker.experiment import (
     cut_alike,
     discriminate_walks,
@@ -31,7 +32,6 @@ from eigenwalker.motion.posture import lean_back
 
 __all__ = ["judge_splits", "make_walks", "measure_files"]
 
-_Target = tuple[str, str, bool | None]
 _N_STEPS, _N_MADE = 14, 4
 _DURATION = 5.0  # seconds that judges see
 _LIMITS = {"worst_foot_slip_m_per_step": 0.001, "root_jump_m_per_s": 0.4}
@@ -59,7 +59,7 @@ class _Shown(NamedTuple):
 
 def judge_splits(
     splits: Sequence[Mapping[str, StyleSplit]], models: Sequence[Mapping[str, GaitHSMM]], *, complete: bool
-) -> list[_Target]:
+) -> list[Check]:
     """Print what judges say of all splits, and how much the walks vary; a few walks alone have no target."""
     shown = [_show(split, model, number) for number, (split, model) in enumerate(zip(splits, models, strict=True))]
     targets = _recognize(shown)
@@ -88,7 +88,7 @@ def _show(split: Mapping[str, StyleSplit], models: Mapping[str, GaitHSMM], numbe
     return _Shown(series[0], styles[0], series[1], styles[1], series[2], styles[2])
 
 
-def _recognize(shown: Sequence[_Shown]) -> list[_Target]:
+def _recognize(shown: Sequence[_Shown]) -> list[Check]:
     rows, trials = [], {name: _ask(shown, seen) for name, seen in _JUDGES.items()}
     for name, answers in trials.items():
         table = recognition_table(answers, n_choices=len(set(shown[0].train_styles)))
@@ -106,7 +106,7 @@ def _recognize(shown: Sequence[_Shown]) -> list[_Target]:
     linked = rate_correlation(rates)
     print(f"correlation over styles {linked.value:.2f}, 95 % interval {linked.low:.2f} to {linked.high:.2f}")
     low = recognition_difference(trials[judge]).low
-    return [(f"synthetic less original, {judge}: above -10 %", f"from {low:+.1%}", low > -0.1)]
+    return [Check(f"synthetic less original, {judge}: above -10 %", f"from {low:+.1%}", bool(low > -0.1))]
 
 
 def _ask(shown: Sequence[_Shown], seen: Mapping[str, object]) -> pd.DataFrame:
@@ -144,7 +144,7 @@ def _resemble(shown: Sequence[_Shown]) -> None:
     print_table("Resemblance, medians over splits", ("", *map(str, medians.index)), rows)
 
 
-def _vary(splits: Sequence[Mapping[str, StyleSplit]], models: Sequence[Mapping[str, GaitHSMM]]) -> list[_Target]:
+def _vary(splits: Sequence[Mapping[str, StyleSplit]], models: Sequence[Mapping[str, GaitHSMM]]) -> list[Check]:
     """Print variances over time with and without the term of variance, and what differs from stride to stride."""
     rows = []
     for style in splits[0]:
@@ -157,7 +157,7 @@ def _vary(splits: Sequence[Mapping[str, StyleSplit]], models: Sequence[Mapping[s
     print_table("Variance over time, and from stride to stride, over that of recordings", header, printed)
     plain, exact = (float(np.median([row[at] for row in rows])) for at in (1, 2))
     closer = f"{plain:.2f} without, {exact:.2f} with"
-    return [("variance nearer to recordings with global variance", closer, abs(exact - 1) < abs(plain - 1))]
+    return [Check("variance nearer to recordings with global variance", closer, abs(exact - 1) < abs(plain - 1))]
 
 
 def _variation(test: Sequence[Recorded], model: GaitHSMM) -> list[float]:
@@ -170,7 +170,7 @@ def _variation(test: Sequence[Recorded], model: GaitHSMM) -> list[float]:
     return [*ratios, *(float(one[column] / theirs[column]) for column in (0, 1) for one in ours)]
 
 
-def measure_files(split: Mapping[str, StyleSplit], models: Mapping[str, GaitHSMM]) -> list[_Target]:
+def measure_files(split: Mapping[str, StyleSplit], models: Mapping[str, GaitHSMM]) -> list[Check]:
     """Print measures of synthesized walks that were written as BVH and read again."""
     made, references = [], []
     for style, model in models.items():
@@ -195,6 +195,6 @@ def measure_files(split: Mapping[str, StyleSplit], models: Mapping[str, GaitHSMM
     print_table("Synthesized walks, read from BVH", ("", *columns, "limits_exceeded"), rows)
     limits = _LIMITS | {"limits_exceeded": 0}
     return [
-        (f"{name} at most {limit:g}", f"largest {table[name].max():.3g}", bool((table[name] <= limit).all()))
+        Check(f"{name} at most {limit:g}", f"largest {table[name].max():.3g}", bool((table[name] <= limit).all()))
         for name, limit in limits.items()
     ]

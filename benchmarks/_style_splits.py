@@ -1,6 +1,5 @@
 """Walks of bandai2 for gait models: steps to adapt to, walks to choose settings on, and walks to be asked about."""
 
-import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -11,7 +10,7 @@ from eigenwalker.hsmm import cut_inner_steps
 from eigenwalker.io import read_walks
 from eigenwalker.motion import JointWalk, prepare_walks
 
-__all__ = ["AVERAGE", "Labeled", "Recorded", "StyleSplit", "data_folder", "load_styles", "split_styles", "take_steps"]
+__all__ = ["AVERAGE", "Labeled", "Recorded", "StyleSplit", "load_styles", "split_styles", "take_steps"]
 
 AVERAGE = "normal"
 FRAME_RATE = 60.0
@@ -40,11 +39,6 @@ class Labeled(NamedTuple):
 
     walks: list[JointWalk]
     labels: list[list[tuple[str, str]]] | None
-
-
-def data_folder() -> Path:
-    """Return where the walks are: where EIGENWALKER_TEST_DATA says, else in ../shared/data."""
-    return Path(os.environ.get("EIGENWALKER_TEST_DATA", "../shared/data")) / "bandai2"
 
 
 def load_styles(folder: Path, styles: Sequence[str] | None = None) -> dict[str, list[Recorded]]:

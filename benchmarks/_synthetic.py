@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from eigenwalker.motion import TROJE15, JointWalk, Skeleton, Walk, phase_weights
+from eigenwalker.motion import TROJE15, Walk, phase_weights
 
-__all__ = ["ANKLES", "random_coefficients", "random_joint_walk", "random_walk"]
+__all__ = ["ANKLES", "random_coefficients", "random_walk"]
 
 # Amplitude of the first harmonic in metres along x, y and z.
 _AMPLITUDES = {
@@ -58,37 +58,3 @@ def random_walk(
     channels += coefficients[0]
     channels += noise * random.standard_normal(channels.shape)
     return channels
-
-
-# Each chain of joints hangs from the joint before its colon; from joint to joint, in metres, forward, left and up.
-_CHAINS = """
-: Hips 0 0 0
-Hips: LHipJoint 0 .02 -.02, LeftUpLeg 0 .07 -.06, LeftLeg 0 .02 -.41, LeftFoot 0 .02 -.40, LeftToeBase .12 0 -.04
-Hips: RHipJoint 0 -.02 -.02, RightUpLeg 0 -.07 -.06, RightLeg 0 -.02 -.41, RightFoot 0 -.02 -.4, RightToeBase .12 0 -.04
-Hips: LowerBack 0 0 .02, Spine 0 0 .11, Spine1 0 0 .11, Neck 0 0 .02, Neck1 .01 0 .08, Head .01 0 .09
-Spine1: LeftShoulder 0 .01 .02, LeftArm 0 .18 .04, LeftForeArm 0 .28 0, LeftHand 0 .18 0, LeftFingerBase 0 .01 0
-LeftFingerBase: LeftHandIndex1 0 .06 0
-LeftHand: LThumb .04 .04 0
-Spine1: RightShoulder 0 -.01 .02, RightArm 0 -.18 .04, RightForeArm 0 -.28 0, RightHand 0 -.18 0
-RightHand: RightFingerBase 0 -.01 0
-RightFingerBase: RightHandIndex1 0 -.06 0
-RightHand: RThumb .04 -.04 0
-"""
-
-
-def random_joint_walk(random: np.random.Generator, n_frames: int) -> JointWalk:
-    """Return smooth motion of a body with the 31 joints of the CMU database, 120 frames a second."""
-    names, parents, offsets = list[str](), list[int](), list[list[float]]()
-    for line in _CHAINS.strip().splitlines():
-        held, _, chain = line.partition(":")
-        for joint in chain.split(","):
-            name, *offset = joint.split()
-            parents.append(names.index(held) if held else -1)
-            offsets.append([float(length) for length in offset])
-            names.append(held := name)
-    skeleton = Skeleton(tuple(names), np.array(parents), np.array(offsets))
-    times = np.arange(n_frames)[:, np.newaxis, np.newaxis] / 120
-    phases, speeds = random.uniform(0, 2 * np.pi, (2, len(names), 3))
-    rotations = 0.4 * np.sin(speeds * times + phases)
-    root = np.column_stack((1.3 * times.ravel(), 0.03 * np.sin(times.ravel()), 0.95 + 0.02 * np.cos(times.ravel())))
-    return JointWalk(rotations, root, skeleton, 120.0, "random")

@@ -7,8 +7,6 @@ and toes, in which bones have no length; *lowest point* moves the root such that
 where it is. The walks are looked for where EIGENWALKER_TEST_DATA says, else in ../shared/data.
 """
 
-import argparse
-import os
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -18,7 +16,11 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from benchmarks._measure import describe_machine, print_table, print_targets
+from benchmarks._command import run
+from benchmarks._findings import Check
+from benchmarks._machine import describe_machine
+from benchmarks._recordings import find_recordings, not_there
+from benchmarks._tables import print_table
 from eigenwalker.io import read_walks, write_walk
 from eigenwalker.motion import (
     JointWalk,
@@ -54,20 +56,15 @@ LINES = {
 _SHOWN = [*LINES, "trailing_foot_slide_m", "bone_length_variation_m", "jerk_m_per_s3"]
 
 
-def main() -> None:
-    """Measure the walks and print what is kept and what is not."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--short", action="store_true", help="two walks of each style")
-    n_walks = 2 if parser.parse_args().short else None
-    folder = Path(os.environ.get("EIGENWALKER_TEST_DATA", "../shared/data")) / "bandai2"
+def findings(*, short: bool) -> list[Check]:
+    """Measure the walks, print what is kept and what is not, and return it line by line."""
+    folder = find_recordings("bandai2")
     print(describe_machine())
     if not folder.is_dir():
-        print(f"no recordings in {folder}: nothing to do")
-        return
+        return not_there(folder)
     files = pd.Series(sorted(folder.glob("*.bvh")))
-    files = files[files.groupby(files.map(lambda file: style(file.stem))).cumcount() < (n_walks or len(files))]
-    tables = measure(read_walks(files))
-    _report(tables)
+    files = files[files.groupby(files.map(lambda file: style(file.stem))).cumcount() < (2 if short else len(files))]
+    return _report(measure(read_walks(files)))
 
 
 def style(name: str) -> str:
@@ -158,7 +155,7 @@ def _by_lowest_point(walk: JointWalk) -> JointWalk:
     return replace(walk, root=root - top)
 
 
-def _report(tables: dict[str, pd.DataFrame]) -> None:
+def _report(tables: dict[str, pd.DataFrame]) -> list[Check]:
     for quantile, title in ((0.5, "Median over walks"), (1.0, "Largest")):
         values = {way: table.reindex(columns=_SHOWN).quantile(quantile) for way, table in tables.items()}
         rows = [[name, *(f"{values[way][name]:.3g}" for way in tables)] for name in _SHOWN]
@@ -176,11 +173,13 @@ def _report(tables: dict[str, pd.DataFrame]) -> None:
         ]
         print_table("Walks above a line, by how much", ["", *columns], rows)
     counts = {name: int((~(made[name] <= limit)).sum()) for name, limit in LINES.items()}
-    print_targets(
-        (f"{name} at most {limit:g}", f"largest {made[name].max():.3g}, {counts[name]} walks above", not counts[name])
+    return [
+        Check(
+            f"{name} at most {limit:g}", f"largest {made[name].max():.3g}, {counts[name]} walks above", not counts[name]
+        )
         for name, limit in LINES.items()
-    )
+    ]
 
 
 if __name__ == "__main__":
-    main()
+    run(findings, __doc__, short="two walks of each style")

@@ -4,7 +4,6 @@ First beside the Cramer-Rao bound and beside two estimates from an FFT, on harmo
 errors on walks that are as irregular as real ones.
 """
 
-import argparse
 from collections.abc import Callable
 
 import numpy as np
@@ -12,24 +11,25 @@ from joblib import Parallel, delayed
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from benchmarks import _measure, _peers
+from benchmarks import _peers
+from benchmarks._command import run
+from benchmarks._findings import Check
+from benchmarks._machine import describe_machine
 from benchmarks._synthetic import ANKLES, random_coefficients, random_walk
+from benchmarks._tables import print_table
 from eigenwalker.motion.phase import find_stride
 
 _RATE = 120.0
 _N_CYCLES = (2, 3, 5, 10, 20)
 _NOISES = (0.001, 0.005)
 _OCTAVE = 0.2  # relative error from which an estimate is that of another period
+_WORST = 1.3  # times the bound
 
 
-def main() -> None:
-    """Print both tables and the targets."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--short", action="store_true", help="100 trials a cell and 200 irregular walks")
-    short = parser.parse_args().short
-    print(_measure.describe_machine())
-    targets = [_bound_table(100 if short else 2000), _octave_table(200 if short else 10_000)]
-    _measure.print_targets(targets)
+def findings(*, short: bool) -> list[Check]:
+    """Print both tables, and return what is asked of the errors."""
+    print(describe_machine())
+    return [_bound_table(100 if short else 2000), _octave_table(200 if short else 10_000)]
 
 
 def _in_parallel(function: Callable, seeds: list[list[int]], *arguments: object) -> NDArray[np.float64]:
@@ -43,7 +43,7 @@ def _in_parallel(function: Callable, seeds: list[list[int]], *arguments: object)
     return np.array([row for part in Parallel(n_jobs=2)(delayed(batch)(part) for part in parts) for row in part])
 
 
-def _bound_table(n_trials: int) -> tuple[str, str, bool]:
+def _bound_table(n_trials: int) -> Check:
     rows, ratios = [], []
     for cell, (n_cycles, noise) in enumerate((n, noise) for noise in _NOISES for n in _N_CYCLES):
         seeds = [[cell, trial] for trial in range(n_trials)]
@@ -60,13 +60,14 @@ def _bound_table(n_trials: int) -> tuple[str, str, bool]:
                 f"{np.abs(errors[:, 0]).max():.1f}",
             ]
         )
-    _measure.print_table(
+    print_table(
         f"Root mean square error over the Cramer-Rao bound, 45 channels at {_RATE:g} Hz, {n_trials} trials a cell",
         ["", "bound, Hz", "eigenwalker", "FFT bin", "padded FFT, parabola", "eigenwalker's largest"],
         rows,
     )
     worst = max(ratios)
-    return ("at most 1.3 times the bound in each cell", f"{worst:.2f}", worst <= 1.3)
+    wanted = f"rms error of the frequency at most {_WORST:g} times the Cramer-Rao bound in each cell"
+    return Check(wanted, f"{worst:.2f}", bool(worst <= _WORST))
 
 
 def _bound_trial(random: np.random.Generator, n_cycles: int, noise: float) -> list[float]:
@@ -102,7 +103,7 @@ def _cramer_rao_bound(coefficients: NDArray[np.float64], angles: NDArray[np.floa
     return float(noise / np.linalg.norm(free) * _RATE / (2 * np.pi))
 
 
-def _octave_table(n_walks: int) -> tuple[str, str, bool]:
+def _octave_table(n_walks: int) -> Check:
     rows = _in_parallel(_irregular_trial, [[99, trial] for trial in range(n_walks)])
     n_cycles, truth = rows[:, 0], rows[:, 1]
     short, middle = n_cycles < 3, (n_cycles >= 3) & (n_cycles < 6)
@@ -112,13 +113,13 @@ def _octave_table(n_walks: int) -> tuple[str, str, bool]:
         counts[name] = int((~(errors <= _OCTAVE)).sum())
         worst = [f"{np.nanmax(errors[few], initial=0):.1%}" for few in (short, middle, n_cycles >= 6)]
         table.append([name, str(counts[name]), str(int(np.isnan(errors).sum())), f"{np.nanmedian(errors):.2%}", *worst])
-    _measure.print_table(
+    print_table(
         f"{n_walks} irregular walks, 5 mm noise, 2 to 12 cycles at 30 to 120 Hz, against the mean frequency",
         ["", f"off by > {_OCTAVE:.0%}", "refused", "median error", "worst, 2-3 cycles", "3-6", "6-12"],
         table,
     )
     errors = counts["eigenwalker"]
-    return (f"no octave error in {n_walks} irregular walks", f"{errors}", errors == 0)
+    return Check(f"no octave error in {n_walks} irregular walks", f"{errors}", errors == 0)
 
 
 def _irregular_trial(random: np.random.Generator) -> list[float]:
@@ -165,4 +166,4 @@ def _limping_coefficients(random: np.random.Generator) -> NDArray[np.float64]:
 
 
 if __name__ == "__main__":
-    main()
+    run(findings, __doc__, short="100 trials a cell and 200 irregular walks")

@@ -8,7 +8,6 @@ of recorded files are used where the folder of recorded walks is there. Needs a 
 import argparse
 import faulthandler
 import json
-import os
 import resource
 import subprocess
 import sys
@@ -18,15 +17,20 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from tempfile import TemporaryDirectory, gettempdir
 
+from benchmarks._command import finish, suite_parser
+from benchmarks._findings import Check
+from benchmarks._machine import describe_machine
+from benchmarks._recordings import find_recordings
+from benchmarks._tables import print_table
+
 _A_TIME = 5000  # files a process
 _RECORDED = ("bvh recorded", "kinect recorded", "c3d recorded")
-_FOLDER = Path(os.environ.get("EIGENWALKER_TEST_DATA", Path(__file__).parents[2] / "shared" / "data"))
+_FOLDER = find_recordings()
 
 
 def main() -> None:
     """Read all the files in processes of their own and print what came of it."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--short", action="store_true", help="5,000 files instead of 200,000")
+    parser = suite_parser(__doc__, short="5,000 files instead of 200,000")
     parser.add_argument("--jobs", type=int, default=1, help="processes at a time")
     parser.add_argument("--replay", nargs=2, metavar=("KIND", "NUMBER"), help="read a single file, and keep it")
     parser.add_argument("--child", nargs=3, help=argparse.SUPPRESS)
@@ -37,8 +41,13 @@ def main() -> None:
     elif arguments.replay:
         _replay(arguments.replay[0], int(arguments.replay[1]))
     else:
-        # Nothing large may be imported before the children start: Linux hands the parent's peak on to them.
-        _run(5000 if arguments.short else 200_000, arguments.jobs)
+        finish(findings(short=arguments.short, n_jobs=arguments.jobs), arguments.out)
+
+
+def findings(*, short: bool, n_jobs: int = 1) -> list[Check]:
+    """Read all the files in processes of their own, print what came of it, and return whether there are faults."""
+    # Nothing large may be imported before the children start: Linux hands the parent's peak on to them.
+    return _run(5000 if short else 200_000, n_jobs)
 
 
 def _kinds() -> list[str]:
@@ -46,7 +55,7 @@ def _kinds() -> list[str]:
     return formats + [kind for kind in _RECORDED if _FOLDER.is_dir()]
 
 
-def _run(n_files: int, n_jobs: int) -> None:
+def _run(n_files: int, n_jobs: int) -> list[Check]:
     kinds = _kinds()
     each = -(-n_files // len(kinds))
     portions = [(kind, first, min(first + _A_TIME, each)) for kind in kinds for first in range(0, each, _A_TIME)]
@@ -54,7 +63,7 @@ def _run(n_files: int, n_jobs: int) -> None:
     with ThreadPoolExecutor(n_jobs) as pool:
         results = list(pool.map(_start_child, portions))
     minutes = (time.perf_counter() - start) / 60
-    _report({kind: [found for found in results if found["kind"] == kind] for kind in kinds}, minutes, n_jobs)
+    return _report({kind: [found for found in results if found["kind"] == kind] for kind in kinds}, minutes, n_jobs)
 
 
 def _start_child(portion: tuple[str, int, int]) -> dict:
@@ -113,10 +122,8 @@ def _peak_bytes() -> int:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit
 
 
-def _report(found: dict[str, list[dict]], minutes: float, n_jobs: int) -> None:
-    from benchmarks import _measure
-
-    print(_measure.describe_machine(("numpy", "numba")))
+def _report(found: dict[str, list[dict]], minutes: float, n_jobs: int) -> list[Check]:
+    print(describe_machine(("numpy", "numba")))
     rows = []
     for kind, portions in found.items():
         walks, errors = (sum(part[key] for part in portions) for key in ("walks", "errors"))
@@ -131,7 +138,7 @@ def _report(found: dict[str, list[dict]], minutes: float, n_jobs: int) -> None:
                 f"{largest[0] / 1e6:.0f}",
             ]
         )
-    _measure.print_table(
+    print_table(
         f"Damaged files read in {minutes:.1f} minutes by {n_jobs} processes at a time",
         ["", "walks", "errors", "faults", "longest, s", "most memory, MB"],
         rows,
@@ -139,7 +146,9 @@ def _report(found: dict[str, list[dict]], minutes: float, n_jobs: int) -> None:
     faults = [fault for portions in found.values() for part in portions for fault in part["faults"]]
     for kind, number, message in faults[:50]:
         print(f"FAULT --replay {kind!r} {number}: {message}")
-    _measure.print_targets([("nothing but walks and errors that name the file", f"{len(faults)}", not faults)])
+    return [
+        Check("damaged files give nothing but walks and errors that name them", f"{len(faults)} others", not faults)
+    ]
 
 
 def _replay(kind: str, number: int) -> None:

@@ -10,7 +10,6 @@ is one source's in bandai2, so that styles of different sources may differ in th
 three styles, half of the average's walks, one split and given weights.
 """
 
-import argparse
 import time
 import warnings
 from collections.abc import Sequence
@@ -20,9 +19,13 @@ import pandas as pd
 from joblib import Parallel, delayed
 from threadpoolctl import threadpool_limits
 
-from benchmarks._measure import describe_machine, print_table, print_targets
+from benchmarks._command import finish, suite_parser
+from benchmarks._findings import Check
+from benchmarks._machine import describe_machine
+from benchmarks._recordings import find_recordings, not_there
 from benchmarks._style_judgment import judge_splits, measure_files
-from benchmarks._style_splits import AVERAGE, Labeled, StyleSplit, data_folder, load_styles, split_styles, take_steps
+from benchmarks._style_splits import AVERAGE, Labeled, StyleSplit, load_styles, split_styles, take_steps
+from benchmarks._tables import print_table
 from eigenwalker.hsmm import GaitHSMM
 
 _SHORT_STYLES = (AVERAGE, "elderly", "feminine")
@@ -68,36 +71,40 @@ class _Done(NamedTuple):
 
 def main() -> None:
     """Adapt, judge, and print what is reached."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--short", action="store_true", help="three styles, one split, given weights")
+    parser = suite_parser(__doc__, short="three styles, one split, given weights")
     parser.add_argument("--splits", type=int, default=2, help="number of splits of the full form")
     arguments = parser.parse_args()
+    finish(findings(short=arguments.short, n_splits=arguments.splits), arguments.out)
+
+
+def findings(*, short: bool, n_splits: int = 2) -> list[Check]:
+    """Adapt, judge, print what is reached, and return what is asked of it."""
+    folder = find_recordings("bandai2")
     print(describe_machine())
-    if not data_folder().is_dir():
-        print(f"no recordings in {data_folder()}: nothing to do")
-        return
+    if not folder.is_dir():
+        return not_there(folder)
     started = time.perf_counter()
     with threadpool_limits(limits=1):
-        recorded = load_styles(data_folder(), _SHORT_STYLES if arguments.short else None)
+        recorded = load_styles(folder, _SHORT_STYLES if short else None)
         print(f"{sum(map(len, recorded.values()))} walks of {len(recorded)} styles at 60 frames a second")
-        seeds = [0] if arguments.short else list(range(arguments.splits))
+        seeds = [0] if short else list(range(n_splits))
         splits = [split_styles(recorded, seed) for seed in seeds]
-        averages = Parallel(n_jobs=2)(delayed(_train_average)(split[AVERAGE], arguments.short) for split in splits)
+        averages = Parallel(n_jobs=2)(delayed(_train_average)(split[AVERAGE], short) for split in splits)
         tasks = [
-            _Task(style, seed, split[style], average, not arguments.short)
+            _Task(style, seed, split[style], average, not short)
             for seed, split, average in zip(seeds, splits, averages, strict=True)
             for style in split
             if style != AVERAGE
         ]
         done = Parallel(n_jobs=2)(delayed(_adapt)(task) for task in tasks)
-        targets = _print_likelihoods(done)
+        checks = _print_likelihoods(done)
         models = [{AVERAGE: average} for average in averages]
         for task, found in zip(tasks, done, strict=True):
             models[seeds.index(task.seed)][task.style] = found.model
-        targets += judge_splits(splits, models, complete=not arguments.short)
-        targets += measure_files(splits[0], models[0])
+        checks += judge_splits(splits, models, complete=not short)
+        checks += measure_files(splits[0], models[0])
     print(f"\n{time.perf_counter() - started:.0f} s")
-    print_targets(targets)
+    return checks
 
 
 def _train_average(split: StyleSplit, short: bool) -> GaitHSMM:
@@ -163,7 +170,7 @@ def _curve(task: _Task, weights: dict, test: dict[str, Labeled]) -> list[dict[st
     return rows
 
 
-def _print_likelihoods(done: Sequence[_Done]) -> list[tuple[str, str, bool | None]]:
+def _print_likelihoods(done: Sequence[_Done]) -> list[Check]:
     scores = pd.DataFrame([row for part in done for row in part.scores])
     for where in ("inside", "whole"):
         table = scores.pivot_table(index=["style", "split"], columns="method", values=where)
@@ -207,15 +214,15 @@ def _print_methods(title: str, table: pd.DataFrame) -> None:
     print_table(title, ("", *by_style.index, "median", "middle half", "best"), rows)
 
 
-def _compare(scores: pd.DataFrame) -> list[tuple[str, str, bool | None]]:
+def _compare(scores: pd.DataFrame) -> list[Check]:
     table = scores.pivot_table(index=["style", "split"], columns="method", values="inside")
-    targets: list[tuple[str, str, bool | None]] = []
+    checks = []
     for better, worse in ((_BEST, _ALONE), (_BEST, "MAP alone"), ("CMLLR + MAP", _ALONE), (_BEST, "average")):
         ahead = table[better] - table[worse]
         wins = int((ahead > 0).sum())
         measured = f"by {ahead.median():+.4g} nats a frame, in {wins} of {len(ahead)}"
-        targets.append((f"{better} above {worse} in most styles and splits", measured, wins > len(ahead) / 2))
-    return targets
+        checks.append(Check(f"{better} above {worse} in most styles and splits", measured, wins > len(ahead) / 2))
+    return checks
 
 
 if __name__ == "__main__":

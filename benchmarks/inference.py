@@ -4,9 +4,8 @@ This project beside scikit-learn's refits, and beside refits by hand that decomp
 of it is exact; how far apart the results are stands beside. One core for all of them.
 """
 
-import argparse
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,6 +16,10 @@ from sklearn.pipeline import Pipeline
 from threadpoolctl import threadpool_limits
 
 from benchmarks import _measure
+from benchmarks._command import run
+from benchmarks._findings import Check, Finding, Row
+from benchmarks._machine import describe_machine
+from benchmarks._tables import print_table
 from eigenwalker.model import (
     BlockScaler,
     TraitRegressor,
@@ -32,10 +35,14 @@ _N_COMPONENTS = 15
 _OURS = "eigenwalker loo_predict"
 _SKLEARN = "cross_val_predict"
 _CACHED = "one SVD a fold, by hand"
+_PERMUTED, _FOLDS = "eigenwalker permutation_test", "fold SVDs cached, a loop"
+_RESAMPLED, _LOOP = "eigenwalker bootstrap_axes", "a loop of Pipeline fits"
 _NESTED, _GRID = "eigenwalker nested_loo", "GridSearchCV in each fold"
-_WANTED = {80: 100, 300: 120, 1000: 150}
+_WANTED = {80: 100, 300: 120, 1000: 150}  # walkers left out one by one
+_WANTED_BOOTSTRAP = {80: 5}
+_PERMUTATION_SECONDS = 0.2
+_BOUND = 1e-10  # of predictions, accuracies and cosines: all of it is exact
 _MISSING = 0.2  # of the labels, where there are several traits
-Target = tuple[str, str, bool | None]
 
 
 class _Case(NamedTuple):
@@ -53,36 +60,34 @@ class _Case(NamedTuple):
         return ", ".join(parts)
 
 
-def main() -> None:
-    """Print all tables and the targets."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--short", action="store_true", help="no 1,000 walkers, few rounds and data sets")
-    short = parser.parse_args().short
+def findings(*, short: bool) -> list[Finding]:
+    """Print all tables, and return a row for each peer, and what is asked of the permutations alone."""
     start = time.perf_counter()
     loo_predict(np.eye(5), np.arange(5.0), n_components=2)
     compiling = time.perf_counter() - start
     with threadpool_limits(1):
-        print(_measure.describe_machine())
+        print(describe_machine())
         print("One core for every row: all pools limited to 1 thread by threadpoolctl.")
         print(f"First call, with compiling or loading what was compiled before: {compiling:.1f} s")
         print(f"Vectors: {_N_FEATURES} features, {_N_COMPONENTS} Eigenwalkers of them; variances as in walks")
-        targets = _leave_one_out(_Case(80), 2 if short else 5)
-        targets += _leave_one_out(_Case(300), 1 if short else 3)
-        targets += _leave_one_out(_Case(1000), 0 if short else 1)
+        found: list[Finding] = [*_leave_one_out(_Case(80), 2 if short else 5)]
+        found += _leave_one_out(_Case(300), 1 if short else 3, by_hand=not short)
+        if not short:
+            found += _leave_one_out(_Case(1000), 1)
         others = [_Case(80, "blocks"), _Case(80, "features")]
         others += [_Case(80, n_controls=2), _Case(80, n_traits=4), _Case(80, "blocks", 2, 4)]
         if not short:
             others += [_Case(300, "blocks"), _Case(300, n_controls=2), _Case(300, n_traits=4)]
         for case in others:
-            _leave_one_out(case, 1 if short else 3)
-        targets += _permutations(3 if short else 9)
-        targets += _bootstrap(80, 200 if short else 1000)
+            found += _leave_one_out(case, 1 if short else 3)
+        found += _permutations(3 if short else 20)
+        found += _bootstrap(80, 200 if short else 1000)
         if not short:
-            _bootstrap(300, 1000)
-        _nested(None, 1 if short else 3, [5, 10, 15] if short else list(range(1, 31)))
+            found += _bootstrap(300, 1000)
+        found += _nested(None, 1 if short else 3, [5, 10, 15] if short else list(range(1, 31)))
         if not short:
-            _nested("blocks", 3, list(range(1, 31)))
-    _measure.print_targets(targets)
+            found += _nested("blocks", 3, list(range(1, 31)))
+    return found
 
 
 def _make_walkers(n_walkers: int, seed: int = 0) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -122,13 +127,13 @@ def _predict_cached(folds: Sequence[tuple], labels: NDArray[np.float64]) -> NDAr
     return predicted
 
 
-def _leave_one_out(case: _Case, n_rounds: int) -> list[Target]:
-    """Print one table; return the targets for unscaled vectors."""
-    wanted = f"leave-one-out of {case.n_walkers} at least {_WANTED.get(case.n_walkers)} times as fast as {_SKLEARN}"
-    if not n_rounds:
-        return [(wanted, "", None)]
+def _leave_one_out(case: _Case, n_rounds: int, *, by_hand: bool = True) -> list[Row]:
+    """Print one table; more than what is exact is asked of unscaled vectors alone."""
     functions, found = _ways(case)
-    seconds = _interleave(functions, n_rounds, warm=n_rounds > 1)
+    if not by_hand:
+        functions.pop(_CACHED, None)
+    # The round that is not counted would take minutes where there is only one that is.
+    seconds = _measure.interleaved(functions, n_rounds, warm=n_rounds > 1)
     rows = [
         [
             name,
@@ -139,14 +144,11 @@ def _leave_one_out(case: _Case, n_rounds: int) -> list[Target]:
         for name in functions
     ]
     title = f"Leave-one-out, {case}, median of {n_rounds} rounds"
-    _measure.print_table(title, ["", "ms", "time / ours", "most off sklearn"], rows)
-    factor, error = _measure.ratio(seconds, _SKLEARN, _OURS), np.abs(found[_OURS] - found[_SKLEARN]).max()
-    if case != _Case(case.n_walkers):
-        return []
-    return [
-        (wanted, f"{factor:.0f}", factor >= _WANTED[case.n_walkers]),
-        (f"within 1e-10 of it, {case.n_walkers}", f"{error:.1e}", error <= 1e-10),
-    ]
+    print_table(title, ["", "ms", "time / ours", "most off sklearn"], rows)
+    wanted = _WANTED[case.n_walkers] if case == _Case(case.n_walkers) else None
+    error = float(np.abs(found[_OURS] - found[_SKLEARN]).max())
+    asked = {"wanted": wanted, "error": error, "bound": _BOUND}
+    return [_measure.beside(f"leave-one-out, {case}", seconds, _OURS, _SKLEARN, **asked)]
 
 
 def _ways(case: _Case) -> tuple[dict[str, Callable[[int], float]], dict[str, NDArray[np.float64]]]:
@@ -163,7 +165,7 @@ def _ways(case: _Case) -> tuple[dict[str, Callable[[int], float]], dict[str, NDA
         labels = labels[:, np.newaxis] + random.normal(size=(case.n_walkers, case.n_traits))
         labels[random.random(labels.shape) < _MISSING] = np.nan
 
-    def run(name: str, predict: Callable[[], NDArray[np.float64]], times: int = 1) -> Callable[[int], float]:
+    def several(name: str, predict: Callable[[], NDArray[np.float64]], times: int = 1) -> Callable[[int], float]:
         def turn(_: int) -> float:
             for _ in range(times):
                 found[name] = predict()
@@ -174,28 +176,13 @@ def _ways(case: _Case) -> tuple[dict[str, Callable[[int], float]], dict[str, NDA
     def by_sklearn() -> NDArray[np.float64]:
         return cross_val_predict(_pipeline(case.scaling), vectors, labels, cv=LeaveOneOut(), params=params)
 
-    ways = {_OURS: run(_OURS, lambda: loo_predict(vectors, labels, **options), 3)}
+    ways = {_OURS: several(_OURS, lambda: loo_predict(vectors, labels, **options), 3)}
     if not case.n_controls and case.n_traits == 1:
-        ways[_CACHED] = run(_CACHED, lambda: _predict_cached(_decompose_folds(vectors, case.scaling), labels))
-    return ways | {_SKLEARN: run(_SKLEARN, by_sklearn)}, found
+        ways[_CACHED] = several(_CACHED, lambda: _predict_cached(_decompose_folds(vectors, case.scaling), labels))
+    return ways | {_SKLEARN: several(_SKLEARN, by_sklearn)}, found
 
 
-def _interleave(
-    functions: Mapping[str, Callable[[int], float]], n_rounds: int, *, warm: bool = True
-) -> dict[str, NDArray[np.float64]]:
-    """Return `interleaved` seconds; without the round that is not counted where it would take minutes."""
-    if warm:
-        return _measure.interleaved(functions, n_rounds)
-    seconds = {name: np.empty(n_rounds) for name in functions}
-    for turn in range(n_rounds):
-        for name, function in functions.items():
-            start = time.perf_counter()
-            n_done = function(turn)
-            seconds[name][turn] = (time.perf_counter() - start) / n_done
-    return seconds
-
-
-def _permutations(n_rounds: int) -> list[Target]:
+def _permutations(n_rounds: int) -> list[Finding]:
     vectors, labels = _make_walkers(80)
     n_shuffles, n_brute = 10_000, 20
     folds = _decompose_folds(vectors, None)
@@ -223,29 +210,38 @@ def _permutations(n_rounds: int) -> list[Target]:
         return 1
 
     matrix = loo_matrix(vectors, n_components=_N_COMPONENTS)
-    names = ("eigenwalker permutation_test", "the same from its matrix", "fold SVDs cached, a loop", _SKLEARN)
-    functions = dict(zip(names, (ours, from_matrix, cached, brute), strict=True))
-    seconds = _measure.interleaved(functions, max(n_rounds, 20 if n_rounds > 5 else n_rounds))
+    functions = {_PERMUTED: ours, "the same from its matrix": from_matrix, _FOLDS: cached, _SKLEARN: brute}
+    seconds = _measure.interleaved(functions, n_rounds)
     null = results["ours"].null[:n_brute]
     checked = [turn for turn in range(n_brute) if turn in results]
-    off_cached = np.abs(null - results["cached"]).max()
-    off_brute = max(abs(null[turn] - results[turn]) for turn in checked)
+    errors = {
+        _FOLDS: float(np.abs(null - results["cached"]).max()),
+        _SKLEARN: float(max(abs(null[turn] - results[turn]) for turn in checked)),
+    }
     rows = [
         [
             name,
             f"{np.median(seconds[name]) * n_shuffles:.3g}",
-            f"{_measure.ratio(seconds, name, names[0]):.3g}",
-            error,
+            f"{_measure.ratio(seconds, name, _PERMUTED):.3g}",
+            f"{errors[name]:.1e}" if name in errors else "",
         ]
-        for name, error in zip(names, ("", "", f"{off_cached:.1e}", f"{off_brute:.1e}"), strict=True)
+        for name in functions
     ]
     title = f"10,000 permutations, 80 walkers; peers on {n_brute} and {len(checked)} of the same shuffles, extrapolated"
-    _measure.print_table(title, ["", "s", "time / ours", "accuracies off"], rows)
-    total = float(np.median(seconds[names[0]]) * n_shuffles)
-    return [("10,000 permutations of 80 walkers in 0.2 s", f"{total:.3f} s", total < 0.2)]
+    print_table(title, ["", "s", "time / ours", "accuracies off"], rows)
+    total = float(np.median(seconds[_PERMUTED]) * n_shuffles)
+    wanted = f"10,000 permutations of 80 walkers in {_PERMUTATION_SECONDS:g} s"
+    asked = {"times": n_shuffles, "bound": _BOUND, "note": "the peer on some of the shuffles, extrapolated"}
+    return [
+        *(
+            _measure.beside("10,000 permutations, 80 walkers", seconds, _PERMUTED, name, error=errors[name], **asked)
+            for name in (_SKLEARN, _FOLDS)
+        ),
+        Check(wanted, f"{total:.3f} s", total < _PERMUTATION_SECONDS, guarded=False),
+    ]
 
 
-def _bootstrap(n_walkers: int, n_resamples: int) -> list[Target]:
+def _bootstrap(n_walkers: int, n_resamples: int) -> list[Row]:
     vectors, labels = _make_walkers(n_walkers)
     n_loop = 10
     draws = np.random.RandomState(0).randint(n_walkers, size=(n_resamples, n_walkers))[:n_loop]
@@ -261,20 +257,20 @@ def _bootstrap(n_walkers: int, n_resamples: int) -> list[Target]:
         found["loop"] = np.array([_cosine(axis, whole) for axis in others])
         return n_loop + 1
 
-    seconds = _measure.interleaved({"eigenwalker bootstrap_axes": ours, "a loop of Pipeline fits": loop}, 5)
-    error = np.abs(found["ours"][:n_loop] - found["loop"]).max()
-    factor = _measure.ratio(seconds, "a loop of Pipeline fits", "eigenwalker bootstrap_axes")
+    seconds = _measure.interleaved({_RESAMPLED: ours, _LOOP: loop}, 5)
+    error = float(np.abs(found["ours"][:n_loop] - found["loop"]).max())
     rows = [
-        [name, f"{np.median(values) * 1e3:.2f}", f"{_measure.ratio(seconds, name, 'eigenwalker bootstrap_axes'):.1f}"]
+        [name, f"{np.median(values) * 1e3:.2f}", f"{_measure.ratio(seconds, name, _RESAMPLED):.1f}"]
         for name, values in seconds.items()
     ]
-    _measure.print_table(
+    print_table(
         f"Bootstrap, {n_walkers} walkers, scaling blocks; {n_resamples} resamples and jackknife, beside {n_loop}",
         ["", "ms a fit", "time / ours"],
         rows,
     )
     print(f"cosines with the axis of everybody differ by {error:.1e} at most")
-    return [("bootstrap of 80 at least 5 times as fast as a loop", f"{factor:.1f}", factor >= 5)] * (n_walkers == 80)
+    asked = {"wanted": _WANTED_BOOTSTRAP.get(n_walkers), "error": error, "bound": _BOUND}
+    return [_measure.beside(f"bootstrap of axes, {n_walkers} walkers, a fit", seconds, _RESAMPLED, _LOOP, **asked)]
 
 
 def _fit_axis(vectors: NDArray[np.float64], labels: NDArray[np.float64]) -> tuple:
@@ -289,8 +285,8 @@ def _cosine(axis: tuple, whole: tuple) -> float:
     return float(one @ other / np.linalg.norm(one) / np.linalg.norm(other))
 
 
-def _nested(scaling: str | None, n_slow: int, numbers: list[int]) -> None:
-    """Print nested leave-one-out beside a grid search in each fold, of some walkers."""
+def _nested(scaling: str | None, n_slow: int, numbers: list[int]) -> list[Row]:
+    """Print nested leave-one-out beside a grid search in each fold, of some walkers, and return its row."""
     vectors, labels = _make_walkers(80)
     start = time.perf_counter()
     ours = nested_loo(vectors, labels, n_components=numbers, scaling=scaling)
@@ -298,12 +294,15 @@ def _nested(scaling: str | None, n_slow: int, numbers: list[int]) -> None:
     searches = [_search_others(vectors, labels, walker, scaling, numbers) for walker in range(n_slow)]
     seconds, slow = middle - start, (time.perf_counter() - middle) * 80 / n_slow
     chosen, predicted = np.transpose(searches)
-    n_same, error = np.sum(chosen == ours.n_components[:n_slow]), np.abs(predicted - ours.predictions[:n_slow]).max()
+    n_same = np.sum(chosen == ours.n_components[:n_slow])
+    error = float(np.abs(predicted - ours.predictions[:n_slow]).max())
     rows = [[_NESTED, f"{seconds:.3g}", "1"], [_GRID, f"{slow:.3g}", f"{slow / seconds:.3g}"]]
-    title = f"Nested leave-one-out, 80 walkers, scaling {scaling}, {len(numbers)} numbers of Eigenwalkers"
-    _measure.print_table(f"{title}; the peer on {n_slow} walkers, extrapolated", ["", "s", "time / ours"], rows)
+    title = f"nested leave-one-out, 80 walkers, scaling {scaling}, {len(numbers)} numbers of Eigenwalkers"
+    print_table(f"{title}; the peer on {n_slow} walkers, extrapolated", ["", "s", "time / ours"], rows)
     print(f"{n_same} of {n_slow} numbers are the same, predictions differ by {error:.1e} at most;")
     print(f"accuracy {ours.score:.3f}, best of the curve {ours.curve.max():.3f}")
+    asked = {"error": error, "bound": _BOUND, "note": f"the peer on {n_slow} walkers, extrapolated"}
+    return [Row(title, seconds, _GRID, slow, slow / seconds, **asked)]
 
 
 def _search_others(
@@ -321,4 +320,4 @@ def _is_right(model: Pipeline, vectors: NDArray[np.float64], labels: NDArray[np.
 
 
 if __name__ == "__main__":
-    main()
+    run(findings, __doc__, short="no 1,000 walkers, few rounds and data sets")

@@ -8,8 +8,6 @@ the sexes apart.
 The recordings are looked for where EIGENWALKER_TEST_DATA says, else in ../shared/data.
 """
 
-import argparse
-import os
 import time
 import warnings
 from collections.abc import Mapping, Sequence
@@ -26,35 +24,35 @@ from sklearn.model_selection import LeaveOneGroupOut, cross_val_predict
 from sklearn.pipeline import Pipeline
 from threadpoolctl import threadpool_limits
 
-from benchmarks._measure import describe_machine, print_table, print_targets
+from benchmarks._command import run
+from benchmarks._findings import Check
+from benchmarks._machine import describe_machine
+from benchmarks._recordings import find_recordings, not_there
+from benchmarks._tables import print_table
 from eigenwalker.io import read_walk
 from eigenwalker.model import BlockScaler, FourierLinearizer, TraitClassifier, loo_matrix, permutation_test
 from eigenwalker.motion import Walk, pool_walks, prepare_walks, split_passes
 
 _PREPARATION = {"camera": "moving", "symmetrize": True, "frequency_range": (0.6, 1.3)}
 _N_COMPONENTS = 25
+_WANTED = {"balanced accuracy": 0.80, "AUC": 0.88}
 
 
-def main() -> None:
-    """Read the recordings, and print what preparation changes and what the default tells about people."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--short", action="store_true", help="20 people and few rows")
-    arguments = parser.parse_args()
-    folder = Path(os.environ.get("EIGENWALKER_TEST_DATA", "../shared/data")) / "kinect"
+def findings(*, short: bool) -> list[Check]:
+    """Print what preparation changes and what the default tells about people; of 20 of them no rate is asked."""
+    folder = find_recordings("kinect")
     print(describe_machine())
     if not folder.is_dir():
-        print(f"no recordings in {folder}: nothing to do")
-        return
+        return not_there(folder)
     with threadpool_limits(limits=1):
-        recordings, people = _load(folder, 20 if arguments.short else None)
-        rows = _ROWS if not arguments.short else {name: _ROWS[name] for name in list(_ROWS)[4:6]}
+        recordings, people = _load(folder, 20 if short else None)
+        rows = {name: _ROWS[name] for name in list(_ROWS)[4:6]} if short else _ROWS
         print_table("What preparation changes", _HEADER, _rows(recordings, people, rows))
-        scores = _report_default(recordings, people, n_permutations=200 if arguments.short else 10_000)
-    if not arguments.short:
-        wanted = {"balanced accuracy": 0.80, "AUC": 0.88}
-        print_targets(
-            (f"{name} {least}", f"{scores[name]:.3f}", scores[name] >= least) for name, least in wanted.items()
-        )
+        scores = _report_default(recordings, people, n_permutations=200 if short else 10_000)
+    return [
+        Check(f"sex of people: {name} {least}", f"{scores[name]:.3f}", None if short else bool(scores[name] >= least))
+        for name, least in _WANTED.items()
+    ]
 
 
 def _load(folder: Path, n_people: int | None) -> tuple[list[Walk], pd.DataFrame]:
@@ -239,4 +237,4 @@ def _report_numbers(recordings: Recordings, people: pd.DataFrame, matrix: NDArra
 
 
 if __name__ == "__main__":
-    main()
+    run(findings, __doc__, short="20 people and few rows")

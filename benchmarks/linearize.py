@@ -4,7 +4,6 @@ This project beside numpy, scikit-fda and scipy, with the frequency known; and b
 with the frequency unknown. One core for all of them.
 """
 
-import argparse
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -13,14 +12,21 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from benchmarks import _measure, _peers
+from benchmarks._command import run
+from benchmarks._findings import Row
+from benchmarks._machine import describe_machine
 from benchmarks._synthetic import ANKLES, random_coefficients, random_walk
+from benchmarks._tables import print_table
 from eigenwalker.motion import fit_harmonics
 from eigenwalker.motion.phase import find_stride
 
 _RATE = 120.0
 _OURS = "eigenwalker"
-_FDA = "scikit-fda to_basis"
-_READING = "sum of one large array"
+_LSTSQ, _NORMAL, _CURVE = "numpy lstsq", "numpy matmul, 5 x 5 normal equations", "scipy curve_fit a channel"
+_FDA, _READING = "scikit-fda to_basis", "sum of one large array"
+_SEARCH, _REFERENCE = "FFT of all channels, Gauss-Newton", "FFT of left minus right, Gauss-Newton"
+_WANTED = {_LSTSQ: 8, _FDA: 20, _READING: 0.45, _SEARCH: 10}
+_BOUNDS = {_LSTSQ: 1e-9}  # metres
 
 
 class _Walks(NamedTuple):
@@ -33,13 +39,10 @@ class _Walks(NamedTuple):
         return sum(walk.nbytes for walk in self.channels) / len(self.channels)
 
 
-def main() -> None:
-    """Print both tables and the targets."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--short", action="store_true", help="300 walks instead of 10,000")
-    short = parser.parse_args().short
+def findings(*, short: bool) -> list[Row]:
+    """Print both tables, and return a row for each peer."""
     with threadpool_limits(1):
-        print(_measure.describe_machine(("numpy", "scipy", "scikit-learn", "numba", "scikit-fda")))
+        print(describe_machine(("numpy", "scipy", "scikit-learn", "numba", "scikit-fda")))
         print("One core for every row: all pools limited to 1 thread by threadpoolctl.")
         megabytes = 256 if short else 1024
         one, two = (_measure.read_bandwidth(n_cores, megabytes=megabytes) for n_cores in (1, 2))
@@ -51,8 +54,7 @@ def main() -> None:
             f"{walks.bytes_per_walk * len(n_frames) / 1e9:.2f} GB"
         )
         n_rounds = 3 if short else 9
-        targets = _known_frequency(walks, megabytes, n_rounds) + _unknown_frequency(walks, n_rounds)
-    _measure.print_targets(targets)
+        return [*_known_frequency(walks, megabytes, n_rounds), *_unknown_frequency(walks, n_rounds)]
 
 
 def _make_walks(n_walks: int) -> _Walks:
@@ -69,56 +71,57 @@ def _portions(walks: _Walks, n_walks: int, fit: Callable[[int], object]) -> Call
     """Return a function for `interleaved` that fits the next `n_walks` walks in each round."""
     n_walks = min(n_walks, len(walks.channels))
 
-    def run(turn: int) -> int:
+    def portion(turn: int) -> int:
         for position in range(turn * n_walks, (turn + 1) * n_walks):
             fit(position % len(walks.channels))
         return n_walks
 
-    return run
+    return portion
 
 
-def _known_frequency(walks: _Walks, megabytes: int, n_rounds: int) -> list[tuple[str, str, bool | None]]:
+def _known_frequency(walks: _Walks, megabytes: int, n_rounds: int) -> list[Row]:
     # How many walks a round: the slower, the fewer.
     peers = {
         _OURS: (lambda *walk: fit_harmonics(*walk, 2), 2000),
-        "numpy lstsq": (_peers.fit_by_lstsq, 1000),
-        "numpy matmul, 5 x 5 normal equations": (_peers.fit_by_normal_equations, 2000),
-        "scipy curve_fit a channel": (_peers.fit_by_curve_fit, 2),
+        _LSTSQ: (_peers.fit_by_lstsq, 1000),
+        _NORMAL: (_peers.fit_by_normal_equations, 2000),
+        _CURVE: (_peers.fit_by_curve_fit, 2),
     }
-    missing = []
-    try:
-        peers[_FDA] = (_peers.make_fit_by_scikit_fda(), 100)
-    except Exception as error:  # whatever a peer's import raises is the reason its row gives
-        missing.append([_FDA, f"did not import: {error}", *[""] * 5])
+    fda, missing = _measure.try_peers({_FDA: _peers.make_fit_by_scikit_fda})
+    peers |= {name: (fit, 100) for name, fit in fda.items()}
 
-    def fitted(fit: Callable, position: int) -> NDArray[np.float64]:
-        return fit(walks.channels[position], _RATE, walks.frequencies[position])
+    def fitted(name: str, position: int) -> NDArray[np.float64]:
+        return peers[name][0](walks.channels[position], _RATE, walks.frequencies[position])
 
     functions = {
-        name: _portions(walks, count, lambda at, fit=fit: fitted(fit, at)) for name, (fit, count) in peers.items()
+        name: _portions(walks, count, lambda at, name=name: fitted(name, at)) for name, (_, count) in peers.items()
     }
     seconds = _measure.interleaved(functions | {_READING: _reading(walks, megabytes)}, n_rounds)
-    ratios = {name: _measure.ratio(seconds, name, _OURS) for name in seconds}
-    shares = {name: 1 / _measure.ratio(seconds, name, _READING) for name in seconds}
-    rows, errors = [], {}
-    for name, (fit, count) in peers.items():
+    errors = {}
+    for name, (_, count) in peers.items():
         checked = range(min(count, 200, len(walks.channels)))
-        errors[name] = max(np.abs(fitted(fit, at) - fitted(_peers.fit_by_lstsq, at)).max() for at in checked)
-        n_walks = str(min(count, len(walks.channels)))
-        rows.append([*_row(name, n_walks, walks, seconds, shares, ratios), f"{errors[name]:.1e}"])
-    rows.append([*_row(_READING, "", walks, seconds, shares, ratios), ""])
-    _measure.print_table(
+        errors[name] = max(float(np.abs(fitted(name, at) - fitted(_OURS, at)).max()) for at in checked)
+    counts = {name: str(min(count, len(walks.channels))) for name, (_, count) in peers.items()}
+    print_table(
         f"Known frequency, 2 harmonics, median of {n_rounds} rounds",
-        ["", "walks a round", "µs a walk", "GB/s", "of bandwidth", "time / ours", "most off lstsq, m"],
-        rows + missing,
+        ["", "walks a round", "µs a walk", "GB/s", "of bandwidth", "time / ours", "most off ours, m"],
+        [_cells(name, counts, walks, seconds, errors) for name in seconds]
+        + [[name, reason, *[""] * 5] for name, reason in missing.items()],
     )
     print("curve_fit: on so few walks that its time for all of them is an extrapolation.")
-    fda = ratios.get(_FDA)
     return [
-        ("at least 8 times as fast as lstsq", f"{ratios['numpy lstsq']:.1f}", ratios["numpy lstsq"] >= 8),
-        ("at least 20 times as fast as scikit-fda", f"{fda or 0:.1f}", None if fda is None else fda >= 20),
-        ("at least 45 % of one core's read bandwidth", f"{shares[_OURS]:.1%}", shares[_OURS] >= 0.45),
-        ("within 1e-9 m of lstsq", f"{errors[_OURS]:.1e}", errors[_OURS] <= 1e-9),
+        _measure.beside(
+            "coefficients, frequency known, a walk",
+            seconds,
+            _OURS,
+            name,
+            wanted=_WANTED.get(name),
+            error=errors.get(name),
+            bound=_BOUNDS.get(name),
+            unit="m",
+            note=missing.get(name, ""),
+        )
+        for name in (_LSTSQ, _NORMAL, _CURVE, _FDA, _READING)
     ]
 
 
@@ -126,20 +129,27 @@ def _reading(walks: _Walks, megabytes: int) -> Callable[[int], float]:
     """Return a function for `interleaved` that reads as many bytes as so many walks have, and does nothing else."""
     large = np.ones(megabytes * 131072)
 
-    def run(turn: int) -> float:
+    def read(turn: int) -> float:
         _measure.sum_values(large)
         return large.nbytes / walks.bytes_per_walk
 
-    return run
+    return read
 
 
-def _row(name: str, n_walks: str, walks: _Walks, seconds: dict, shares: dict, ratios: dict) -> list[str]:
+def _cells(name: str, counts: dict[str, str], walks: _Walks, seconds: dict, errors: dict[str, float]) -> list[str]:
     median = float(np.median(seconds[name]))
-    read = walks.bytes_per_walk / median / 1e9
-    return [name, n_walks, f"{median * 1e6:.1f}", f"{read:.2f}", f"{shares[name]:.1%}", f"{ratios[name]:.1f}"]
+    return [
+        name,
+        counts.get(name, ""),
+        f"{median * 1e6:.1f}",
+        f"{walks.bytes_per_walk / median / 1e9:.2f}",
+        f"{1 / _measure.ratio(seconds, name, _READING):.1%}",
+        f"{_measure.ratio(seconds, name, _OURS):.1f}",
+        f"{errors[name]:.1e}" if name in errors else "",
+    ]
 
 
-def _unknown_frequency(walks: _Walks, n_rounds: int) -> list[tuple[str, str, bool | None]]:
+def _unknown_frequency(walks: _Walks, n_rounds: int) -> list[Row]:
     def ours(at: int) -> float:
         channels = walks.channels[at]
         frequency = find_stride(channels, _RATE, ANKLES)
@@ -158,40 +168,35 @@ def _unknown_frequency(walks: _Walks, n_rounds: int) -> list[tuple[str, str, boo
         _peers.fit_by_normal_equations(walks.channels[at], _RATE, frequency)
         return frequency
 
-    slow = "FFT of all channels, Gauss-Newton"
-    functions = {
-        _OURS: (ours, 2000),
-        slow: (all_channels, 100),
-        "FFT of left minus right, Gauss-Newton": (reference_only, 100),
-    }
-    seconds = _measure.interleaved(
-        {name: _portions(walks, count, run) for name, (run, count) in functions.items()}, n_rounds
-    )
+    functions = {_OURS: (ours, 2000), _SEARCH: (all_channels, 100), _REFERENCE: (reference_only, 100)}
+    portions = {name: _portions(walks, count, find) for name, (find, count) in functions.items()}
+    seconds = _measure.interleaved(portions, n_rounds)
     checked = range(min(300, len(walks.channels)))
     truth = np.array([walks.frequencies[at] for at in checked])
-    mine = np.array([ours(at) for at in checked])
-    rows, ratios = [], {}
-    for name, (run, count) in functions.items():
-        found = np.array([run(at) for at in checked])
-        ratios[name] = _measure.ratio(seconds, name, _OURS)
-        rows.append(
+    found = {name: np.array([find(at) for at in checked]) for name, (find, _) in functions.items()}
+    errors = {name: float(np.abs(values - found[_OURS]).max()) for name, values in found.items()}
+    print_table(
+        f"Unknown frequency: found with 4 harmonics, then 2 fitted; median of {n_rounds} rounds",
+        ["", "walks a round", "µs a walk", "time / ours", "rms error, Hz", "largest", "most off ours, Hz"],
+        [
             [
                 name,
                 str(min(count, len(walks.channels))),
                 f"{np.median(seconds[name]) * 1e6:.0f}",
-                f"{ratios[name]:.1f}",
-                f"{np.sqrt(np.mean((found - truth) ** 2)):.2e}",
-                f"{np.abs(found - truth).max():.1e}",
-                f"{np.abs(found - mine).max():.1e}",
+                f"{_measure.ratio(seconds, name, _OURS):.1f}",
+                f"{np.sqrt(np.mean((found[name] - truth) ** 2)):.2e}",
+                f"{np.abs(found[name] - truth).max():.1e}",
+                f"{errors[name]:.1e}",
             ]
-        )
-    _measure.print_table(
-        f"Unknown frequency: found with 4 harmonics, then 2 fitted; median of {n_rounds} rounds",
-        ["", "walks a round", "µs a walk", "time / ours", "rms error, Hz", "largest", "most off ours, Hz"],
-        rows,
+            for name, (_, count) in functions.items()
+        ],
     )
-    return [("at least 10 times as fast as FFT and Gauss-Newton", f"{ratios[slow]:.1f}", ratios[slow] >= 10)]
+    task = "frequency and coefficients, a walk"
+    return [
+        _measure.beside(task, seconds, _OURS, name, wanted=_WANTED.get(name), error=errors[name], unit="Hz")
+        for name in (_SEARCH, _REFERENCE)
+    ]
 
 
 if __name__ == "__main__":
-    main()
+    run(findings, __doc__, short="300 walks instead of 10,000")

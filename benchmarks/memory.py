@@ -9,24 +9,34 @@ import resource
 import subprocess
 import sys
 
+from benchmarks._command import finish, suite_parser
+from benchmarks._findings import Check
+from benchmarks._machine import describe_machine
+from benchmarks._tables import print_table
+
 _RATE = 120.0
 _N_FRAMES = 600
+_SHARE = 2  # of the memory of the walks
 
 
 def main() -> None:
-    """Run the fit in a child process and print how much memory it took."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--short", action="store_true", help="300 walks instead of 2,000")
+    """Print how much memory the fit took, or be the process that takes it."""
+    parser = suite_parser(__doc__, short="300 walks instead of 2,000")
     parser.add_argument("--child", type=int, help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     if arguments.child:
         print(json.dumps(_measure_fit(arguments.child)))
-        return
+    else:
+        finish(findings(short=arguments.short), arguments.out)
+
+
+def findings(*, short: bool) -> list[Check]:
+    """Run the fit in a child process, and return whether it took too much memory."""
     # Nothing large may be imported before the child starts: Linux hands the parent's peak on to it.
-    n_walks = 300 if arguments.short else 2000
+    n_walks = 300 if short else 2000
     command = [sys.executable, "-m", "benchmarks.memory", "--child", str(n_walks)]
     measured = json.loads(subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout)
-    _report(n_walks, **measured)
+    return _report(n_walks, **measured)
 
 
 def _measure_fit(n_walks: int) -> dict[str, float]:
@@ -74,19 +84,18 @@ def _bytes_in_use() -> int:
         return _peak_bytes()
 
 
-def _report(n_walks: int, before: float, with_walks: float, after: float, size: float) -> None:
-    from benchmarks import _measure
-
-    print(_measure.describe_machine(("numpy", "scipy", "scikit-learn", "pandas", "numba")))
+def _report(n_walks: int, before: float, with_walks: float, after: float, size: float) -> list[Check]:
+    print(describe_machine())
     rows = [
         ["the walks themselves", f"{size / 1e6:.0f}", "1.00"],
         ["peak after making them", f"{(with_walks - before) / 1e6:.0f}", f"{(with_walks - before) / size:.2f}"],
         ["peak after the fit", f"{(after - before) / 1e6:.0f}", f"{(after - before) / size:.2f}"],
     ]
     title = f"make_eigenwalkers().fit, {n_walks} walks of {_N_FRAMES} frames x 15 markers, float64"
-    _measure.print_table(title, ["", "MB more than before", "of the walks"], rows)
+    print_table(title, ["", "MB more than before", "of the walks"], rows)
     share = (after - before) / size
-    _measure.print_targets([("less than twice the memory of the walks", f"{share:.2f}", share < 2)])
+    wanted = f"fitting the model takes less than {_SHARE} times the memory of the walks"
+    return [Check(wanted, f"{share:.2f}", share < _SHARE)]
 
 
 if __name__ == "__main__":

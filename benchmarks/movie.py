@@ -4,7 +4,6 @@ The same frames as MP4 and as GIF by this package and by matplotlib's FuncAnimat
 dots. Linear algebra on one core; ffmpeg takes what it gets, in each row alike.
 """
 
-import argparse
 import re
 import subprocess
 from collections.abc import Callable
@@ -20,76 +19,89 @@ from PIL import Image
 from threadpoolctl import threadpool_limits
 
 from benchmarks import _measure
+from benchmarks._command import run
+from benchmarks._findings import Check, Finding, Row
+from benchmarks._machine import describe_machine
+from benchmarks._tables import print_table
 from eigenwalker.datasets import make_walkers
 from eigenwalker.display import PointLightDisplay, Screen, write_movie
 from eigenwalker.display._ffmpeg import find_ffmpeg
 
 _OURS = "eigenwalker"
 _PEER = "FuncAnimation"
+_BETWEEN = f"{_PEER}, between pixels"
 _RATE = 50  # frames per second, which a GIF can show as well
 _SCREEN = Screen()
-_AIMS = {".mp4": 6, ".gif": 15}
+_WANTED = {".mp4": 6, ".gif": 15}
+_BOUNDS = {".mp4": 0.3, ".gif": 0.1}  # pixels
 
 Array = NDArray[np.float64]
 
 
-def main() -> None:
-    """Print a table for each kind of movie, how long a movie lasts by its own account, and the targets."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--short", action="store_true", help="two seconds instead of five, and fewer rounds")
-    short = parser.parse_args().short
+def findings(*, short: bool) -> list[Finding]:
+    """Print a table for each kind of movie; return their rows, and whether a movie lasts as long as it says."""
     duration, n_rounds = (2.0, 3) if short else (5.0, 5)
     walker = PointLightDisplay.from_walk(make_walkers(1, random_state=0).data[0])
     masked = walker.add_mask(60, area=(2.0, 1.5), random_state=0)
-    targets = []
     with threadpool_limits(1), TemporaryDirectory() as folder:
-        print(_measure.describe_machine(("numpy", "matplotlib", "pillow", "imageio-ffmpeg")))
-        for suffix in _AIMS:
-            targets += _compare(walker, suffix, Path(folder), duration, n_rounds)
+        print(describe_machine(("numpy", "matplotlib", "pillow", "imageio-ffmpeg")))
+        found: list[Finding] = [
+            _compare(walker, kind, Path(folder), duration, n_rounds, peer_alone=short) for kind in _WANTED
+        ]
         if not short:
-            for suffix in _AIMS:
-                _compare(masked, suffix, Path(folder), duration, n_rounds)
-        print(
-            f"{_PEER} copies dots of one color to whole pixels; with a color for each they are between pixels, as ours "
-            "are, and\nthe frames are the same: that row is the peer. With our encoding even the files are."
-        )
-        targets.append(_lasts(Path(folder, "ours.mp4"), duration))
-    _measure.print_targets(targets)
+            found += [
+                _compare(masked, kind, Path(folder), duration, n_rounds)._replace(wanted=None) for kind in _WANTED
+            ]
+            print(
+                f"{_PEER} copies dots of one color to whole pixels; with a color for each they are between pixels, as "
+                "ours are, and\nthe frames are the same: that row is the peer. With our encoding even the files are."
+            )
+        return [*found, _lasts(Path(folder, "ours.mp4"), duration)]
 
 
 def _compare(
-    display: PointLightDisplay, suffix: str, folder: Path, duration: float, n_rounds: int
-) -> list[tuple[str, str, bool | None]]:
-    """Print the table of one kind of movie, and return its target."""
+    display: PointLightDisplay, suffix: str, folder: Path, duration: float, n_rounds: int, *, peer_alone: bool = False
+) -> Row:
+    """Print the table of one kind of movie, with or without other ways to use the peer, and return its row."""
     files = {_OURS: folder / f"ours{suffix}"}
     calls: dict[str, Callable[[], object]] = {
         _OURS: lambda: write_movie(display, files[_OURS], duration=duration, rate=_RATE, screen=_SCREEN)
     }
-    for name, (writer, between) in _writers(suffix).items():
+    writers = _writers(suffix)
+    for name, (writer, between) in writers.items() if not peer_alone else [(_BETWEEN, writers[_BETWEEN])]:
         files[name] = folder / f"{len(files)}{suffix}"
         calls[name] = lambda name=name, writer=writer, between=between: _animate(
             display, duration, files[name], writer(), between=between
         )
-    seconds = _measure.interleaved({name: _timed(call) for name, call in calls.items()}, n_rounds)
-    ratios = {name: _measure.ratio(seconds, name, _OURS) for name in calls}
+    seconds = _measure.interleaved({name: _measure.once(call) for name, call in calls.items()}, n_rounds)
     times = np.arange(round(duration * _RATE)) / _RATE
     centers = _centers(display, times)
-    rows = []
+    rows, pictures = [], {}
     for name, path in files.items():
-        pictures = _read(path)
-        per_frame = 1e3 * np.median(seconds[name]) / len(times)
-        off = f"{_most_off(pictures, centers):.2f}" if len(pictures) == len(times) else "other frames"
+        pictures[name] = _read(path)
+        per_frame = f"{1e3 * np.median(seconds[name]) / len(times):.1f}"
+        same = len(pictures[name]) == len(times)
+        off = f"{_most_off(pictures[name], centers):.2f}" if same else "other frames"
         size = f"{path.stat().st_size / 1e3:.0f}"
-        rows.append([name, f"{per_frame:.1f}", f"{ratios[name]:.1f}", f"{len(pictures)}", off, size])
-    _measure.print_table(
+        factor = f"{_measure.ratio(seconds, name, _OURS):.1f}"
+        rows.append([name, per_frame, factor, f"{len(pictures[name])}", off, size])
+    print_table(
         f"{suffix[1:].upper()} of {len(display.names)} dots, {len(times)} frames of {'{} x {}'.format(*_SCREEN.size)} "
         f"pixels, median of {n_rounds} rounds",
         ["", "ms a frame", "time / ours", "frames read back", "dots most off, px", "kB"],
         rows,
     )
-    same = ratios[f"{_PEER}, between pixels"]
-    aim = _AIMS[suffix]
-    return [(f"{suffix[1:].upper()} at least {aim} times as fast as {_PEER}", f"{same:.1f}", same >= aim)]
+    return _measure.beside(
+        f"{suffix[1:].upper()} of {duration:g} s, {len(display.names)} dots, a movie",
+        seconds,
+        _OURS,
+        _BETWEEN,
+        wanted=_WANTED[suffix],
+        error=_most_off(pictures[_OURS], centers),
+        bound=_BOUNDS[suffix],
+        unit="px",
+        note="the error is that of the dots from where they belong",
+    )
 
 
 def _writers(suffix: str) -> dict[str, tuple[Callable[[], AbstractMovieWriter], bool]]:
@@ -97,24 +109,14 @@ def _writers(suffix: str) -> dict[str, tuple[Callable[[], AbstractMovieWriter], 
     if suffix == ".gif":
         return {
             _PEER: (lambda: PillowWriter(fps=_RATE), False),
-            f"{_PEER}, between pixels": (lambda: PillowWriter(fps=_RATE), True),
+            _BETWEEN: (lambda: PillowWriter(fps=_RATE), True),
         }
     ours = ["-preset", "ultrafast", "-qp", "8", "-threads", "1", "-pix_fmt", "yuv420p"]
     return {
         _PEER: (lambda: FFMpegWriter(fps=_RATE), False),
-        f"{_PEER}, between pixels": (lambda: FFMpegWriter(fps=_RATE), True),
+        _BETWEEN: (lambda: FFMpegWriter(fps=_RATE), True),
         f"{_PEER}, between pixels, our encoding": (lambda: FFMpegWriter(fps=_RATE, extra_args=ours), True),
     }
-
-
-def _timed(call: Callable[[], object]) -> Callable[[int], int]:
-    """Return a function for `interleaved` that calls another one once."""
-
-    def run(turn: int) -> int:
-        call()
-        return 1
-
-    return run
 
 
 def _animate(
@@ -181,13 +183,13 @@ def _most_off(pictures: NDArray[np.uint8], centers: Array, *, reach: int = 8) ->
     return most
 
 
-def _lasts(path: Path, duration: float) -> tuple[str, str, bool]:
+def _lasts(path: Path, duration: float) -> Check:
     """Return whether a movie lasts as long as it should, by its own account."""
     said = subprocess.run([find_ffmpeg(), "-i", str(path)], check=False, capture_output=True, text=True).stderr
     found = re.search(r"Duration: (\d+):(\d+):([\d.]+)", said)
     seconds = sum(float(part) * unit for part, unit in zip(found.groups(), (3600, 60, 1), strict=True)) if found else 0
-    return f"an MP4 of {duration:g} s lasts as long", f"{seconds:g} s", abs(seconds - duration) < 0.011
+    return Check(f"an MP4 of {duration:g} s lasts as long", f"{seconds:g} s", abs(seconds - duration) < 0.011)
 
 
 if __name__ == "__main__":
-    main()
+    run(findings, __doc__, short="two seconds instead of five, and fewer rounds")

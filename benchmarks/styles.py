@@ -14,8 +14,6 @@ Rates are over clips and splits; intervals are of the mean difference between a 
 clips. The walks are looked for where EIGENWALKER_TEST_DATA says, else in ../shared/data.
 """
 
-import argparse
-import os
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -30,7 +28,11 @@ from sklearn.model_selection import StratifiedShuffleSplit
 from sklearn.pipeline import Pipeline, make_pipeline
 from threadpoolctl import threadpool_limits
 
-from benchmarks._measure import describe_machine, print_table, print_targets
+from benchmarks._command import run
+from benchmarks._findings import Check
+from benchmarks._machine import describe_machine
+from benchmarks._recordings import find_recordings, not_there
+from benchmarks._tables import print_table
 from eigenwalker.io import read_walks
 from eigenwalker.model import FourierLinearizer
 from eigenwalker.motion import JointWalk, StrideVariation, prepare_walks, synthesize
@@ -66,21 +68,19 @@ _SHORT = ("everything", "harmonic 1, 6 joints, noise of 3 degrees")
 _JUDGED = "harmonic 1, 6 joints, noise of 3 degrees"  # the least that errs by more than a tenth
 
 
-def main() -> None:
-    """Read the walks, and print how often recordings and syntheses are recognized."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--short", action="store_true", help="few clips, splits and judges")
-    arguments = parser.parse_args()
-    folder = Path(os.environ.get("EIGENWALKER_TEST_DATA", "../shared/data")) / "bandai2"
+def findings(*, short: bool) -> list[Check]:
+    """Print how often recordings and syntheses are recognized; of few clips and splits no rate is asked."""
+    folder = find_recordings("bandai2")
     print(describe_machine())
     if not folder.is_dir():
-        print(f"no recordings in {folder}: nothing to do")
-        return
+        return not_there(folder)
     with threadpool_limits(limits=1):
-        walks, styles = _load(folder, 8 if arguments.short else None)
-        n_splits, n_seeds = (2, 1) if arguments.short else (20, 2)
-        judges = {name: _JUDGES[name] for name in _SHORT} if arguments.short else _JUDGES
-        _report(walks, styles, judges, n_splits=n_splits, n_seeds=n_seeds, complete=not arguments.short)
+        walks, styles = _load(folder, 8 if short else None)
+        n_splits, n_seeds = (2, 1) if short else (20, 2)
+        judges = {name: _JUDGES[name] for name in _SHORT} if short else _JUDGES
+        low = _report(walks, styles, judges, n_splits=n_splits, n_seeds=n_seeds)
+    wanted = f"synthesis less recorded, {_JUDGED}: above {-_WORSE:.0%}"
+    return [Check(wanted, f"from {low:+.1%}", None if short else bool(low > -_WORSE))]
 
 
 def _load(folder: Path, n_clips: int | None) -> tuple[list[JointWalk], NDArray[np.str_]]:
@@ -133,8 +133,8 @@ def _report(
     *,
     n_splits: int,
     n_seeds: int,
-    complete: bool,
-) -> None:
+) -> float:
+    """Print rates, and return by how much synthesis may be recognized less, at the lower end of the interval."""
     seen = FourierLinearizer(_JUDGED_HARMONICS).fit(walks)
     vectors = seen.transform(walks)
     tempo = np.column_stack((vectors[:, -1], [walk.speed for walk in walks]))
@@ -165,9 +165,7 @@ def _report(
     _print(table, judges, n_splits)
     print(f"frequency and speed of recordings alone: {np.mean(plain):.1%}; by chance {1 / len(set(styles)):.1%}")
     _print_styles(table)
-    if complete:
-        low = _difference(table[table["judge"] == _JUDGED])[1]
-        print_targets([(f"synthesis less recorded, {_JUDGED}: above {-_WORSE:.0%}", f"from {low:+.1%}", low > -_WORSE)])
+    return _difference(table[table["judge"] == _JUDGED])[1]
 
 
 def _synthesize(
@@ -264,4 +262,4 @@ def _print_styles(table: pd.DataFrame) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run(findings, __doc__, short="few clips, splits and judges")

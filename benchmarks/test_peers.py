@@ -3,18 +3,16 @@
 Not among the tests, because it needs ``pip install ".[bench]"``; where the peers are missing these tests fail.
 """
 
-import os
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from benchmarks._bvh_peers import LOADERS, POSITIONS, to_package
+from benchmarks._recordings import find_recordings
 from eigenwalker.io import read_bvh, write_bvh
 from eigenwalker.io._bvh_text import parse_bvh
 from eigenwalker.motion import prepare, synthesize
 
-_FOLDER = Path(os.environ.get("EIGENWALKER_TEST_DATA", Path(__file__).parents[2] / "shared" / "data"))
+_FOLDER = find_recordings()
 _FILES = [*sorted(_FOLDER.glob("bandai2/*.bvh"))[::35], *sorted(_FOLDER.glob("cmu_bvh/*.bvh"))[::6]]
 _METERS = {"bandai2": 0.01, "cmu_bvh": 0.0564}
 

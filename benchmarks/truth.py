@@ -5,7 +5,6 @@ the pool. Given the pool, which is then the population, the draws are independen
 over sets are right although sets share walkers.
 """
 
-import argparse
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
@@ -17,7 +16,10 @@ from sklearn.decomposition import PCA
 from sklearn.pipeline import Pipeline
 from threadpoolctl import threadpool_limits
 
-from benchmarks import _measure
+from benchmarks._command import run
+from benchmarks._findings import Check
+from benchmarks._machine import describe_machine
+from benchmarks._tables import print_table
 from eigenwalker.datasets import make_walkers
 from eigenwalker.model import (
     BlockScaler,
@@ -32,7 +34,6 @@ from eigenwalker.model import (
 
 _N_COMPONENTS = 15
 _CONTROLS = ["gender", "height"]
-Target = tuple[str, str, bool | None]
 
 
 class _Pool(NamedTuple):
@@ -51,23 +52,19 @@ class _Pool(NamedTuple):
             yield order[:n_walkers], order[n_walkers:]
 
 
-def main() -> None:
-    """Print all tables and the targets."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--short", action="store_true", help="500 walkers instead of 3,000, few sets of them")
-    short = parser.parse_args().short
+def findings(*, short: bool) -> list[Check]:
+    """Print all tables, and return what is asked of them."""
     with threadpool_limits(1):
-        print(_measure.describe_machine())
+        print(describe_machine())
         pool = _make_pool(500 if short else 3000)
         print(f"Pool: {len(pool.vectors)} walkers of make_walkers(duration=4, frame_rate=60), {pool.vectors.shape[1]}")
         print("features, scaling blocks. With standard errors over the sets of walkers drawn from it.")
-        targets = _uniformity(pool, 40 if short else 500)
-        targets += _planted(pool, 10 if short else 100)
-        targets += _nested(pool, {20: 10, 40: 8} if short else {20: 500, 40: 200, 80: 80})
-        targets += _controlled(pool, 20 if short else 200)
+        checks = _uniformity(pool, 40 if short else 500)
+        checks += _planted(pool, 10 if short else 100)
+        checks += _nested(pool, {20: 10, 40: 8} if short else {20: 500, 40: 200, 80: 80})
+        checks += _controlled(pool, 20 if short else 200)
         _held(pool, 5 if short else 50)
-        targets += _parts(pool, 5 if short else 100)
-    _measure.print_targets(targets)
+        return checks + _parts(pool, 5 if short else 100)
 
 
 def _make_pool(n_walkers: int) -> _Pool:
@@ -107,10 +104,10 @@ def _mean(values: ArrayLike) -> str:
     return f"{np.mean(values):.3f} ± {_error(values):.3f}"
 
 
-def _uniformity(pool: _Pool, n_sets: int) -> list[Target]:
+def _uniformity(pool: _Pool, n_sets: int) -> list[Check]:
     """Print how often p is at most a when the labels are shuffled, and mean nothing."""
     levels = np.array([0.01, 0.05, 0.1, 0.25, 0.5, 0.75])
-    rows, targets = [], []
+    rows, checks = [], []
     enough = n_sets >= 500  # fewer say nothing about three standard errors in four rows at once
     for score in ("accuracy", "balanced_accuracy", "auc", "r"):
         p_values = _null_p_values(pool, score, n_sets)
@@ -118,12 +115,12 @@ def _uniformity(pool: _Pool, n_sets: int) -> list[Target]:
         above = (shares - levels) / np.sqrt(levels * (1 - levels) / n_sets)
         rows.append([score, *[f"{share:.3f}" for share in shares]])
         met = bool(above.max() <= 3) if enough else None
-        targets.append((f"P(p <= a) <= a within 3 standard errors, {score}", f"{above.max():+.1f}", met))
+        checks.append(Check(f"P(p <= a) <= a within 3 standard errors, {score}", f"{above.max():+.1f}", met))
     p = float(kstest(p_values, "uniform").pvalue)
-    targets.append(("p uniform with a continuous score, r (Kolmogorov-Smirnov)", f"{p:.2f}", p > 0.01))
+    checks.append(Check("p uniform with a continuous score, r (Kolmogorov-Smirnov)", f"{p:.2f}", p > 0.01))
     title = f"Share of {n_sets} sets of 40 walkers with shuffled labels with p <= a; 8 Eigenwalkers, 999 shuffles"
-    _measure.print_table(title, ["", *[f"a = {level}" for level in levels]], rows)
-    return targets
+    print_table(title, ["", *[f"a = {level}" for level in levels]], rows)
+    return checks
 
 
 def _null_p_values(pool: _Pool, score: str, n_sets: int) -> NDArray[np.float64]:
@@ -136,7 +133,7 @@ def _null_p_values(pool: _Pool, score: str, n_sets: int) -> NDArray[np.float64]:
     return p_values
 
 
-def _planted(pool: _Pool, n_sets: int) -> list[Target]:
+def _planted(pool: _Pool, n_sets: int) -> list[Check]:
     """Print how near the axes are to what goes along with each trait."""
     sizes, names = (20, 40, 80, 160, 320), list(pool.traits)
     cosines = np.empty((len(sizes), n_sets, len(names)))
@@ -147,24 +144,25 @@ def _planted(pool: _Pool, n_sets: int) -> list[Target]:
             row[:] = [_cosine(_axis(model, name), pool.together[name].to_numpy() / scale) for name in names]
     rows = [[str(size), *[_mean(column) for column in found.T]] for size, found in zip(sizes, cosines, strict=True)]
     title = f"Cosine of an axis with what goes along with its trait, {n_sets} sets, {_N_COMPONENTS} Eigenwalkers"
-    _measure.print_table(title, ["walkers", *names], rows)
+    print_table(title, ["walkers", *names], rows)
     means = cosines.mean(axis=1)
     met = bool((np.diff(means, axis=0) > 0).all())
-    return [("planted axes are found the better the more walkers, all traits", f"{means[-1].min():.2f} at least", met)]
+    wanted = "planted axes are found the better the more walkers, all traits"
+    return [Check(wanted, f"{means[-1].min():.2f} at least", met)]
 
 
-def _nested(pool: _Pool, n_sets: dict[int, int]) -> list[Target]:
+def _nested(pool: _Pool, n_sets: dict[int, int]) -> list[Check]:
     """Print accuracies of gender: nested leave-one-out, the best of plain leave-one-out, and on fresh walkers."""
-    rows, targets = [], []
+    rows, checks = [], []
     for size, number in n_sets.items():
         nested, best, fresh = np.array([_accuracies(pool, *parts) for parts in pool.draw(size, number)]).T
         rows.append([f"{size}", f"{number}", *map(_mean, (nested, best, fresh, nested - fresh, best - fresh))])
         over, error = np.mean(nested - fresh), _error(nested - fresh)
         text = f"nested accuracy of {size} not above that on fresh walkers by 2 standard errors"
-        targets.append((text, f"{over:+.4f} ± {error:.4f}", bool(over < 2 * error) if number >= 50 else None))
+        checks.append(Check(text, f"{over:+.4f} ± {error:.4f}", bool(over < 2 * error) if number >= 50 else None))
     header = ["walkers", "sets", "nested", "best of curve", "fresh", "nested - fresh", "best - fresh"]
-    _measure.print_table("Accuracy of gender, the number of Eigenwalkers chosen of 2 to 15", header, rows)
-    return targets
+    print_table("Accuracy of gender, the number of Eigenwalkers chosen of 2 to 15", header, rows)
+    return checks
 
 
 def _accuracies(pool: _Pool, some: NDArray[np.intp], others: NDArray[np.intp]) -> tuple[float, float, float]:
@@ -176,9 +174,9 @@ def _accuracies(pool: _Pool, some: NDArray[np.intp], others: NDArray[np.intp]) -
     return float(result.score), float(result.curve.max()), float(fresh)
 
 
-def _controlled(pool: _Pool, n_sets: int) -> list[Target]:
+def _controlled(pool: _Pool, n_sets: int) -> list[Check]:
     """Print what is left of the controls in an axis of weight, among walkers in training and fresh ones."""
-    rows, targets = [], []
+    rows, checks = [], []
     shown, hidden = _shown_and_hidden(pool)
     for size in (80, 160, 320):
         found = np.array([_left_of_controls(pool, *parts) for parts in pool.draw(size, n_sets)])
@@ -187,19 +185,21 @@ def _controlled(pool: _Pool, n_sets: int) -> list[Target]:
             cells = [_mean(free), _mean(held), _mean(covariance), f"{value:.3f}", f"{abs(training).max():.0e}"]
             rows.append([f"{size}, {name}", *cells])
         most = abs(found[:, 3]).max()
-        targets.append((f"{size}: no covariance of a controlled axis in training", f"{most:.0e}", bool(most < 1e-10)))
+        checks.append(
+            Check(f"{size}: no covariance of a controlled axis in training", f"{most:.0e}", bool(most < 1e-10))
+        )
         off = abs(found[:, 1, 1].mean()) / _error(found[:, 1, 1])
-        targets.append((f"{size}: fresh walkers, none with height (standard errors)", f"{off:.1f}", bool(off < 3)))
+        checks.append(Check(f"{size}: fresh walkers, none with height (standard errors)", f"{off:.1f}", bool(off < 3)))
     off = abs(found[:, 2, 0].mean() - expected[0]) / _error(found[:, 2, 0])
-    targets.append(("320: fresh walkers, with gender as expected (standard errors)", f"{off:.1f}", bool(off < 3)))
+    checks.append(Check("320: fresh walkers, with gender as expected (standard errors)", f"{off:.1f}", bool(off < 3)))
     header = ["walkers, control", "r, uncontrolled", "r, controlled", "covariance", "expected", "most in training"]
     title = (
         f"An axis of weight and its controls, gender and height, on fresh walkers, {n_sets} sets; covariances in SDs"
     )
-    _measure.print_table(title, header, rows)
+    print_table(title, header, rows)
     known = ", ".join(f"{share:.2f} of {name}" for share, name in zip(np.diag(shown), _CONTROLS, strict=False))
     print(f"Walks show {known}; what they hide of a control stays in the axis, the less the more walkers")
-    return targets
+    return checks
 
 
 def _left_of_controls(pool: _Pool, some: NDArray[np.intp], others: NDArray[np.intp]) -> tuple[NDArray[np.float64], ...]:
@@ -250,7 +250,7 @@ def _held(pool: _Pool, n_sets: int) -> None:
         found = [_cosines_with_planted(pool, some, n_components) for some, _ in pool.draw(size, n_sets)]
         rows.append([f"{size}, {n_components} Eigenwalkers", *map(_mean, np.transpose(found))])
     title = f"Cosine of axes with what weight changes while gender and height stay, {n_sets} sets"
-    _measure.print_table(title, ["walkers", "no control", "controlled", "label less its regression on both"], rows)
+    print_table(title, ["walkers", "no control", "controlled", "label less its regression on both"], rows)
 
 
 def _cosines_with_planted(pool: _Pool, some: NDArray[np.intp], n_components: int) -> list[float]:
@@ -263,7 +263,7 @@ def _cosines_with_planted(pool: _Pool, some: NDArray[np.intp], n_components: int
     return [_cosine(_axis(model, "weight"), planted / model["scaler"].scale_) for model in models]
 
 
-def _parts(pool: _Pool, n_sets: int) -> list[Target]:
+def _parts(pool: _Pool, n_sets: int) -> list[Check]:
     """Print what structure and dynamics tell about gender (Troje 2002, section 4)."""
     numbers = [5, 10, 15, 20, 30]
     found = [_parts_of_gender(pool, some, numbers) for some, _ in pool.draw(80, n_sets)]  # (n_sets, 4, n_numbers)
@@ -271,13 +271,13 @@ def _parts(pool: _Pool, n_sets: int) -> list[Target]:
         [str(number), *map(_mean, values.T)] for number, values in zip(numbers, np.moveaxis(found, 2, 0), strict=True)
     ]
     header = ["Eigenwalkers", "both", "structure alone", "dynamics alone", "share of structure in the axis"]
-    _measure.print_table(f"Accuracy of gender, leave-one-out of 80 walkers, {n_sets} sets", header, rows)
+    print_table(f"Accuracy of gender, leave-one-out of 80 walkers, {n_sets} sets", header, rows)
     scale = BlockScaler().fit(pool.vectors).scale_
     along, planted = (_share(axes["gender"].to_numpy() / scale, pool) for axes in (pool.together, pool.planted))
     print(f"Structure has {along:.3f} of what goes along with gender, {planted:.3f} of what gender itself changes")
     share = float(np.mean(found, axis=0)[3, 2])
     text = f"share of structure with 15 Eigenwalkers within 0.05 of that planted, {along:.3f}"
-    return [(text, f"{share:.3f}", abs(share - along) < 0.05)]
+    return [Check(text, f"{share:.3f}", bool(abs(share - along) < 0.05))]
 
 
 def _parts_of_gender(pool: _Pool, some: NDArray[np.intp], numbers: list[int]) -> list[NDArray[np.float64]]:
@@ -297,4 +297,4 @@ def _share(axis: NDArray[np.float64], pool: _Pool) -> float:
 
 
 if __name__ == "__main__":
-    main()
+    run(findings, __doc__, short="500 walkers instead of 3,000, few sets of them")
