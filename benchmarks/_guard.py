@@ -3,7 +3,7 @@
 from benchmarks._findings import Check, Finding, Row
 from benchmarks._results import Results
 
-__all__ = ["SHARE", "find_faults", "find_unasked", "give_verdict"]
+__all__ = ["SHARE", "find_faults", "find_slow", "find_unasked", "give_verdict"]
 
 SHARE = 0.8
 """Of what a ratio is asked to reach: below it is a fault, as times differ from machine to machine and run to run."""
@@ -44,6 +44,14 @@ def find_faults(results: Results) -> list[str]:
         for name, check in results.checks()
         if check.passed is False and check.guarded
     ]
+
+
+def find_slow(results: Results) -> list[str]:
+    """Return the benchmarks with ratios below their share, in which nothing else is wrong."""
+    slow = {name for name, row in results.rows() if row.is_fast(SHARE) is False}
+    wrong = {name for name, row in results.rows() if row.is_close() is False}
+    missed = {name for name, check in results.checks() if check.passed is False and check.guarded}
+    return sorted(slow - wrong - missed)
 
 
 def find_unasked(results: Results) -> list[str]:

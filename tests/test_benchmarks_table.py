@@ -9,7 +9,7 @@ import pytest
 from benchmarks import __main__ as command
 from benchmarks._comparison import print_comparison
 from benchmarks._findings import Check, Row, from_plain, to_plain
-from benchmarks._guard import find_faults, find_unasked, give_verdict
+from benchmarks._guard import find_faults, find_slow, find_unasked, give_verdict
 from benchmarks._results import Results, Suite, read_results, write_results
 from benchmarks._suites import run_suites
 from benchmarks._summary import print_summary
@@ -34,6 +34,12 @@ def _results(*findings, failure="", short=True, commit="abc"):
 @pytest.mark.parametrize("row", [_SLOW, _WRONG, _NEAR._replace(error=float("nan")), _NEAR._replace(ratio=float("nan"))])
 def test_low_ratios_and_large_errors_are_faults(row):
     assert len(find_faults(_results(_GOOD, row))) == 1
+
+
+def test_only_what_is_merely_slow_is_measured_again():
+    assert find_slow(_results(_GOOD, _NEAR)) == []
+    assert find_slow(_results(_GOOD, _SLOW)) == list(_results(_SLOW).suites)
+    assert find_slow(_results(_SLOW, _MISSED)) == []
 
 
 def test_a_missed_check_is_a_fault():
