@@ -8,6 +8,8 @@ from eigenwalker.display.curve_display import CurveDisplay
 from eigenwalker.display.decomposition_display import DecompositionDisplay
 from eigenwalker.display.deviation_display import DeviationDisplay
 from eigenwalker.display.estimate_display import EstimateDisplay
+from eigenwalker.display.figure_movie import draw_figures, write_figure_movie
+from eigenwalker.display.figures import FigureDisplay
 from eigenwalker.display.movie import draw_frames, write_movie
 from eigenwalker.display.movie_table import write_movies
 from eigenwalker.display.permutation_display import PermutationDisplay
@@ -32,6 +34,7 @@ __all__ = [
     "DecompositionDisplay",
     "DeviationDisplay",
     "EstimateDisplay",
+    "FigureDisplay",
     "PermutationDisplay",
     "PointLightDisplay",
     "PoseDisplay",
@@ -45,10 +48,12 @@ __all__ = [
     "TrajectoryDisplay",
     "WalkerView",
     "axis_report",
+    "draw_figures",
     "draw_frames",
     "make_display",
     "project",
     "view",
+    "write_figure_movie",
     "write_movie",
     "write_movies",
 ]

@@ -20,7 +20,6 @@ __all__ = ["is_archive", "is_result", "is_upload", "read_archive", "read_result_
 
 _RESULT = re.compile(r"(.*/)?comp[-_]result_[0-9]+/data\.txt", re.DOTALL)
 _UPLOAD = re.compile(r"(.*/)?comp[-_]result_[0-9]+/files/.*", re.DOTALL)
-_BLANK = re.compile(r"\s*")
 _LARGEST = 2**28  # bytes of one result: 300,000 trials
 _DAMAGED = (
     *(zipfile.BadZipFile, zlib.error, EOFError, OSError, ValueError, OverflowError),
@@ -120,13 +119,19 @@ def read_result_lines(data: bytes, file: str, faults: Faults) -> Iterator[Answer
 
 def _objects(line: str) -> Iterator[dict[str, Any]]:
     """Yield the objects that stand one behind the other in a line."""
-    at = _BLANK.match(line).end()
+    at = _skip_blanks(line, 0)
     while at < len(line):
         one, at = _DECODER.raw_decode(line, at)
         if not isinstance(one, dict):
             raise ValueError("something else")
         yield one
-        at = _BLANK.match(line, at).end()
+        at = _skip_blanks(line, at)
+
+
+def _skip_blanks(line: str, at: int) -> int:
+    while at < len(line) and line[at].isspace():
+        at += 1
+    return at
 
 
 def _as_dict(pairs: list[tuple[str, Any]]) -> dict[str, Any]:

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from unicodedata import category
 
 from eigenwalker._validation import check_choice, check_names, check_walks
 from eigenwalker.experiment.recognition import KINDS
 from eigenwalker.motion.walk import JointWalk, Walk
 
-__all__ = ["AVERAGE", "CONDITIONS", "Stimulus", "as_stimuli", "cross_stimuli"]
+__all__ = ["AVERAGE", "CONDITIONS", "Stimulus", "as_stimuli", "check_words", "cross_stimuli"]
 
 AVERAGE = "average walk"
 """The style of what an average model makes, and the answer that is right for it."""
@@ -19,6 +20,7 @@ AVERAGE = "average walk"
 CONDITIONS = ("static", "displacement")
 """In place, or on the way over the floor (Tilmanne, Moinet & Dutoit 2012, 6.1)."""
 
+_CONTROLS = ("Cc", "Zl", "Zp")  # categories of letters that end lines, or are none
 _Walks = Walk | JointWalk | Sequence[Walk | JointWalk]
 
 
@@ -59,7 +61,9 @@ class Stimulus:
     reference: str = ""
 
     def __post_init__(self) -> None:
-        check_names([self.name], name="name of a stimulus")
+        check_words([self.name], name="name of a stimulus")
+        if self.style:
+            check_words([self.style], name=f"stimulus {self.name!r}: style")
         check_choice(self.kind, ("", *KINDS), name=f"stimulus {self.name!r}: kind")
         check_choice(self.condition, ("", *CONDITIONS), name=f"stimulus {self.name!r}: condition")
         if self.walk is not None and self.movie is not None:
@@ -68,6 +72,15 @@ class Stimulus:
             raise TypeError(f"stimulus {self.name!r}: expected a Walk or JointWalk, got {type(self.walk).__name__}")
         if self.movie is not None and Path(self.movie).suffix.lower() != ".mp4":
             raise ValueError(f"stimulus {self.name!r}: expected a movie that ends in .mp4, got {Path(self.movie).name}")
+
+
+def check_words(words: Iterable[str], *, name: str) -> tuple[str, ...]:
+    """Return words that can stand in one line of a table, different from each other; see `check_names`."""
+    checked = check_names(words, name=name)
+    broken = [word for word in checked if any(category(letter) in _CONTROLS for letter in word)]
+    if broken:
+        raise ValueError(f"{name} must be without line breaks and other control characters, got {broken[0]!r}")
+    return checked
 
 
 def as_stimuli(walks: Sequence[Walk | JointWalk | Stimulus]) -> tuple[Stimulus, ...]:

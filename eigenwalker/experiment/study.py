@@ -6,6 +6,7 @@ import hashlib
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import pandas as pd
@@ -51,7 +52,7 @@ class Study:
         """How many participants the design has."""
         return int(self.design["participant"].nunique())
 
-    @property
+    @cached_property
     def id(self) -> str:
         """Twelve hexadecimal digits that stand in every answer: another design, or other words, are another study."""
         return hashlib.sha256(json.dumps(self.words(), sort_keys=True).encode()).hexdigest()[:12]

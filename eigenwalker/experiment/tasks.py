@@ -10,12 +10,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, fields
 from typing import Any, ClassVar, NamedTuple
 
-from eigenwalker._validation import check_choice, check_names
+from eigenwalker._validation import check_choice
 from eigenwalker.display._numbers import check_count, check_number
 from eigenwalker.display.body import find_azimuth
 from eigenwalker.experiment.resemblance import RESEMBLANCE
 from eigenwalker.experiment.showing import Showing
-from eigenwalker.experiment.stimulus import AVERAGE
+from eigenwalker.experiment.stimulus import AVERAGE, check_words
 
 __all__ = [
     "DONT_KNOW",
@@ -106,11 +106,12 @@ class RatingTask:
     is_pair: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
-        poles = check_names(self.poles, name="poles")
+        poles = check_words(self.poles, name="poles")
         if len(poles) != 2:
             raise ValueError(f"poles must be two words, ('sad', 'happy'), got {poles!r}")
         object.__setattr__(self, "poles", poles)
-        object.__setattr__(self, "trait", str(self.trait) or poles[1])
+        (trait,) = check_words([str(self.trait) or poles[1]], name="trait")
+        object.__setattr__(self, "trait", trait)
         object.__setattr__(self, "n_buttons", check_count(self.n_buttons, "n_buttons", at_least=2, at_most=100))
         check_choice(self.left, _SIDES, name="left")
         if isinstance(self.views, (str, float, int)) or not len(self.views):
@@ -290,7 +291,7 @@ class RecognitionTask:
 
     def __post_init__(self) -> None:
         _check_drawn(self)
-        styles = check_names(self.styles, name="styles")
+        styles = check_words(self.styles, name="styles")
         taken = sorted({AVERAGE, DONT_KNOW} & set(styles))
         if taken:
             raise ValueError(f"styles must be without those that are always there, got {', '.join(taken)}")

@@ -47,6 +47,8 @@ def test_walks_are_stimuli_of_their_names():
         (lambda: cross_stimuli({"sad": WALKS[:2]}, {"sad": WALKS[:3]}), r"sad \(2 and 3\)"),
         (lambda: cross_stimuli({"sad": WALKS[0]}, {}, conditions=["moving"]), "conditions must be one of"),
         (lambda: Stimulus(""), "non-empty strings"),
+        (lambda: Stimulus("a\nb"), "without line breaks and other control characters"),
+        (lambda: Stimulus("a", style="b\0"), "style must be without line breaks"),
         (lambda: Stimulus("a", kind="real"), "kind must be one of"),
         (lambda: Stimulus("a", WALKS[0], movie="a.mp4"), "a walk or a movie, got both"),
         (lambda: Stimulus("a", movie="a.avi"), "ends in .mp4, got a.avi"),
