@@ -25,7 +25,7 @@ from eigenwalker.motion.walk import JointWalk, Walk
 
 __all__ = ["LinearizedFiles", "linearize_files"]
 
-_TASK = 16  # files a task: some tenths of a second
+_TASK, _TASKS = 32, 64  # at most so many files a task, some tenths of a second; of fewer files so many tasks
 _SHOWN = 10  # refusals in an error
 
 
@@ -165,7 +165,8 @@ def linearize_files(
             total=total, initial=len(finished.files), desc="linearize", delay=2, disable=not progress, file=sys.stderr
         )
         with bar:
-            rows = _rows_of_all(job, _unfinished(items, finished.files), n_jobs)
+            task = _TASK if total is None else min(_TASK, 1 + total // _TASKS)
+            rows = _rows_of_all(job, _unfinished(items, finished.files), task, n_jobs)
             done = _write(folder, _counted(rows, bar), finished, settings, files_per_part)
     return _report(folder, finished, done)
 
@@ -257,9 +258,9 @@ def _unfinished(items: Iterator[Any], files: set[str]) -> Iterator[Any]:
             yield item
 
 
-def _rows_of_all(job: Job, items: Iterator[Any], n_jobs: int | None) -> Iterator[list[Row]]:
+def _rows_of_all(job: Job, items: Iterator[Any], n_a_task: int, n_jobs: int | None) -> Iterator[list[Row]]:
     """Yield the rows of each file, in order."""
-    tasks = iter(lambda: list(islice(items, _TASK)), [])
+    tasks = iter(lambda: list(islice(items, n_a_task)), [])
     workers = Parallel(n_jobs=n_jobs, return_as="generator", batch_size=1, pre_dispatch="3*n_jobs")
     return chain.from_iterable(workers(delayed(rows_of_files)(job, task) for task in tasks))
 

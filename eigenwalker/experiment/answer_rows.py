@@ -107,8 +107,7 @@ def make_answers(rows: Sequence[AnswerRow], faults: Faults, study: Study | None 
     """
     columns = [_parse_column(name, rows, faults) for name in NAMES]
     sound = [pair for pair in zip(rows, zip(*columns, strict=True), strict=True) if None not in pair[1]]
-    _check_studies(sound, faults, study)
-    _check_rows(sound, faults, study)
+    _check_rows(_own_answers(sound, faults, study), faults, study)
     kept = _drop_repetitions(sound, faults)
     faults.report()
     table = pd.DataFrame.from_records(sorted(kept, key=_KEY), columns=list(NAMES))
@@ -130,10 +129,10 @@ def _parse_column(name: str, rows: Sequence[AnswerRow], faults: Faults) -> list[
     return values
 
 
-def _check_studies(sound: Sequence[_Sound], faults: Faults, study: Study | None) -> None:
-    """Note answers to another study, once a file."""
+def _own_answers(sound: Sequence[_Sound], faults: Faults, study: Study | None) -> list[_Sound]:
+    """Return the answers to the study, or to that of the first one, and note those to others, once a file."""
     if not sound:
-        return
+        return []
     first, (own, *_) = sound[0]
     wanted, where = (study.id, "") if study is not None else (own, f", as in {first.place}")
     noted = set()
@@ -141,6 +140,7 @@ def _check_studies(sound: Sequence[_Sound], faults: Faults, study: Study | None)
         if got != wanted and (row.file, got) not in noted:
             noted.add((row.file, got))
             faults.complain(row, "study", f"{wanted}{where}", got)
+    return [pair for pair in sound if pair[1][0] == wanted]
 
 
 def _check_rows(sound: Sequence[_Sound], faults: Faults, study: Study | None) -> None:

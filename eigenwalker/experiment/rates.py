@@ -155,7 +155,11 @@ def _effective_trials(rate: float, sums: NDArray[np.float64]) -> float:
 
 
 def _correlation(first: ArrayLike, second: ArrayLike, first_groups: ArrayLike, second_groups: ArrayLike) -> float:
-    """Return the correlation of both shares over the groups that they have in common, 0 where one does not vary."""
+    """Return the correlation of both shares over the groups that they have in common, 0 where one does not vary.
+
+    A positive one is corrected for continuity, as Newcombe does for pairs of answers (1998, Statistics in Medicine 17,
+    2635-2650, method 10): a few groups that agree exactly leave some doubt.
+    """
     rates = [
         dict(zip(np.unique(np.asarray(groups)).tolist(), sums[:, 0] - sums[:, 1] * answers.mean(), strict=True))
         for groups, (answers, sums) in (
@@ -165,4 +169,5 @@ def _correlation(first: ArrayLike, second: ArrayLike, first_groups: ArrayLike, s
     ]
     apart = np.array([[part.get(group, 0.0) for part in rates] for group in sorted(set(rates[0]) | set(rates[1]))])
     lengths = float(np.sqrt(np.prod((apart**2).sum(axis=0))))
-    return float(np.prod(apart, axis=1).sum()) / lengths if lengths > 0 else 0.0
+    together = float(np.prod(apart, axis=1).sum())
+    return (max(together - 0.5, 0.0) if together > 0 else together) / lengths if lengths > 0 else 0.0

@@ -146,6 +146,11 @@ def cross_stimuli(
     >>> len(stimuli), stimuli[2].name, stimuli[2].reference
     (8, 'sad_synthetic_static', 'sad_original_static')
     """
+    for name, series in (("originals", originals), ("synthetics", synthetics)):
+        if not isinstance(series, Mapping):
+            raise TypeError(
+                f"{name} must be a mapping of styles to walks, {{'sad': walk}}, got {type(series).__name__}"
+            )
     recorded, made = (
         {str(style): _listed(walks) for style, walks in series.items()} for series in (originals, synthetics)
     )

@@ -147,7 +147,11 @@ def read_study(folder: str | os.PathLike[str]) -> Study:
     """
     path = Path(folder, _STUDY)
     if not path.is_file():
-        raise FileNotFoundError(f"no {_STUDY} in {folder}; expected the folder that build_study or study new wrote")
+        above = Path(folder).resolve().parent
+        hint = f"; it is in {above}" if (above / _STUDY).is_file() else ""
+        raise FileNotFoundError(
+            f"no {_STUDY} in {folder}; expected the folder that build_study or study new wrote{hint}"
+        )
     try:
         words = json.loads(path.read_text(encoding="utf-8"))
         study = Study(

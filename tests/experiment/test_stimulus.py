@@ -42,6 +42,7 @@ def test_walks_are_stimuli_of_their_names():
 @pytest.mark.parametrize(
     ("make", "match"),
     [
+        (lambda: cross_stimuli([WALKS[0]], {}), "originals must be a mapping of styles to walks"),
         (lambda: cross_stimuli({}, {}), "original walks of at least one style"),
         (lambda: cross_stimuli({"sad": WALKS[0]}, {"cool": WALKS[1]}), "none of: cool"),
         (lambda: cross_stimuli({"sad": WALKS[:2]}, {"sad": WALKS[:3]}), r"sad \(2 and 3\)"),

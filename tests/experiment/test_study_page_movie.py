@@ -42,7 +42,7 @@ def _movies(folder, *, self_paced, duration=None, missing=()):
         file = f"stimuli/walk {number} #100%.mp4"  # no name that an address can have as it is
         contents["stimuli"][name] = {"source": "movie", "file": file}
         if number not in missing:
-            _write_movie(folder / file, seconds=0.6)
+            _write_movie(folder / file, seconds=1.2)
     return f"{write_page(folder, contents)}?participant=1"
 
 
@@ -61,8 +61,8 @@ def test_a_movie_is_started_and_replayed_at_will(browser, tmp_path):
         wait_until(page, lambda: n_answered(page) == 1)
         first = page.evaluate(f"{STUDY}.table()")[0]
         assert first["replays"] == 1
-        assert first["shown_s"] == pytest.approx(0.6, abs=0.3)  # of a machine that does other things as well
-        assert 0 < first["frames_drawn"] <= 32
+        assert first["shown_s"] == pytest.approx(1.2, abs=0.4)  # of a machine that does other things as well
+        assert 0 < first["frames_drawn"] <= 64
         go_on(page)
 
 

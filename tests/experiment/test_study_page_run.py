@@ -297,8 +297,9 @@ def test_ratings_count_towards_the_second_pole_on_whatever_side(browser, folder)
     assert sorted(ends) == [("happy", "5"), ("sad", "2")]
 
 
-def test_a_rating_shows_the_whole_walk_whenever_the_answer_comes(browser, ratings_page):
-    with open_study(browser, f"{ratings_page}?participant=1") as page:
+def test_a_rating_shows_the_whole_walk_whenever_the_answer_comes(browser, folder):
+    address = write_page(folder, rating(2, views=(0,), duration=1.5)[0], name="whole.html")
+    with open_study(browser, f"{address}?participant=1") as page:
         begin(page)
         wait_for_trial(page)
         buttons = page.locator(".trial .answer")
@@ -308,7 +309,7 @@ def test_a_rating_shows_the_whole_walk_whenever_the_answer_comes(browser, rating
         wait_until(page, lambda: n_answered(page) == 1)
         first = page.evaluate(f"{STUDY}.table()")[0]
         assert first["answer"] == "4"  # happy is left
-        assert first["response_time_s"] < 0.25 <= first["shown_s"] + 0.017
+        assert first["response_time_s"] < 1.5 <= first["shown_s"] + 0.017
         wait_for_trial(page)
         trial = f"{STUDY}.trial"
         wait_until(page, lambda: page.evaluate(f"{trial}.plays[0]?.isWhole"))
@@ -317,29 +318,28 @@ def test_a_rating_shows_the_whole_walk_whenever_the_answer_comes(browser, rating
         assert n_answered(page) == 1
         buttons.nth(0).click()
         wait_until(page, lambda: n_answered(page) == 2)
-        assert page.evaluate(f"{STUDY}.table()")[1]["response_time_s"] > 0.25
+        assert page.evaluate(f"{STUDY}.table()")[1]["response_time_s"] > 1.5
 
 
 def test_after_a_walk_means_after_it(browser, folder):
-    address = write_page(folder, rating(2, answer="after", views=(0,), duration=0.6)[0], name="after.html")
+    address = write_page(folder, rating(2, answer="after", views=(0,), duration=1.5)[0], name="after.html")
     with open_study(browser, f"{address}?participant=1") as page:
         begin(page)
         wait_for_trial(page)
         wait_until(page, lambda: page.evaluate(f"{STUDY}.trial.plays.length"))
         assert page.locator(".trial .answer:enabled").count() == 0
         answer(page)
-        assert page.evaluate(f"{STUDY}.table()")[0]["response_time_s"] >= 0.59
+        assert page.evaluate(f"{STUDY}.table()")[0]["response_time_s"] >= 1.49
 
 
 def test_walks_are_started_and_replayed_at_will(browser, folder):
-    address = write_page(folder, only(five_tasks(answer="after"), "resemblance"), name="pairs.html")
+    address = write_page(folder, only(five_tasks(answer="after", duration=1.0), "resemblance"), name="pairs.html")
     with open_study(browser, f"{address}?participant=1") as page:
         begin(page)
         wait_for_trial(page)
         left, right = page.locator("button.walk").all()
         assert page.evaluate(f"{STUDY}.trial.plays.length") == 0
-        left.click()
-        left.click()  # while it plays this does nothing
+        left.dblclick()  # while it plays a click does nothing
         wait_until(page, lambda: page.evaluate(f"{STUDY}.trial.walks[0].hasEnded"))
         assert page.locator(".trial .answer:enabled").count() == 0  # the other one has not been played
         left.click()
@@ -348,17 +348,17 @@ def test_walks_are_started_and_replayed_at_will(browser, folder):
         wait_until(page, lambda: n_answered(page) == 1)
         first = page.evaluate(f"{STUDY}.table()")[0]
         assert first["replays"] == 1
-        assert first["response_time_s"] > 0.5
+        assert first["response_time_s"] > 2
 
 
 def test_an_answer_cuts_what_the_participant_has_started(browser, folder):
-    address = write_page(folder, only(five_tasks(duration=2.0), "naturalness"), name="cut.html")
+    address = write_page(folder, only(five_tasks(duration=4.0), "naturalness"), name="cut.html")
     with open_study(browser, f"{address}?participant=1") as page:
         begin(page)
         wait_for_trial(page)
         answer(page)
         first = page.evaluate(f"{STUDY}.table()")[0]
-        assert 0 < first["shown_s"] < 2
+        assert 0 < first["shown_s"] < 4
         assert first["shown_error_s"] is None
         assert first["frames_drawn"] > 0
 

@@ -60,68 +60,65 @@ def address(tmp_path_factory):
     return f"{write_page(folder, rating(8, duration=1.0, views=(0,), blank=0.0)[0])}?participant=1"
 
 
-def _stepped(browser, address, step):
-    """Open a page whose screen is refreshed every `step` milliseconds, and go to its first trial."""
+@pytest.fixture(scope="module")
+def stepped(browser, address):
+    """Return a page whose screen is refreshed every 10 ms, at its first trial."""
     page = browser.new_context().new_page()
     page.add_init_script(FRAMES)
     page.goto(address)
     come_in(page)
     click(page, "Start without full screen")
-    page.evaluate(f"flow(0, 60, {step})")
+    page.evaluate("flow(0, 60, 10)")
     page.wait_for_selector(".plain .answer")
     wait_for_trial(page)
-    return page
+    yield page
+    page.context.close()
 
 
 def _show(page, times):
-    """Let frames come at times in milliseconds, answer, and return what is written down."""
+    """Let frames come some milliseconds after all others, answer, and return what is written down."""
     before = n_answered(page)
-    page.evaluate("(times) => frames_(times)", [float(time) for time in times])
+    page.evaluate("(times) => frames_(times)", [10_000.0 * (before + 1) + float(time) for time in times])
     page.locator(".trial .answer:enabled").first.click()
     wait_until(page, lambda: n_answered(page) > before)
     wait_for_trial(page)
     return page.evaluate(f"{STUDY}.table()")[-1]
 
 
-def test_a_walk_ends_with_the_refresh_nearest_to_its_time(browser, address):
-    page = _stepped(browser, address, 10.0)
-    assert page.evaluate(f"{STUDY}.refresh") == pytest.approx(10)
-    whole = _show(page, 1000 + 10 * np.arange(120))
+def test_a_walk_ends_with_the_refresh_nearest_to_its_time(stepped):
+    assert stepped.evaluate(f"{STUDY}.refresh") == pytest.approx(10)
+    whole = _show(stepped, 10 * np.arange(120))
     assert whole["frames_drawn"] == 100
     assert whole["frames_dropped"] == 0
     assert whole["shown_s"] == pytest.approx(1.0)
     assert whole["shown_error_s"] == pytest.approx(0.0)
     assert whole["refresh_hz"] == pytest.approx(100)
-    early = _show(page, [*(3000 + 10 * np.arange(100)), 3996, 4006])  # 4 ms before its time is nearer than 6 ms after
+    early = _show(stepped, [*(10 * np.arange(100)), 996, 1006])  # 4 ms before its time is nearer than 6 ms after it
     assert (early["shown_s"], early["shown_error_s"]) == (pytest.approx(0.996), pytest.approx(-0.004))
-    late = _show(page, [*(5000 + 10 * np.arange(100)), 5994, 6004, 6014])
+    late = _show(stepped, [*(10 * np.arange(100)), 994, 1004, 1014])
     assert (late["shown_s"], late["shown_error_s"]) == (pytest.approx(1.004), pytest.approx(0.004))
-    page.context.close()
 
 
-def test_refreshes_without_a_frame_are_counted(browser, address):
-    page = _stepped(browser, address, 10.0)
-    times = np.concatenate([1000 + 10 * np.arange(20), 1230 + 10 * np.arange(100)])  # 1200, 1210, 1220 are missing
-    dropped = _show(page, times)
+def test_refreshes_without_a_frame_are_counted(stepped):
+    times = np.concatenate([10 * np.arange(20), 230 + 10 * np.arange(100)])  # 200, 210 and 220 are missing
+    dropped = _show(stepped, times)
     assert dropped["frames_dropped"] == 3
     assert dropped["frames_drawn"] == 97
     assert dropped["shown_error_s"] == pytest.approx(0.0)
-    uneven = _show(page, 3000 + 10 * np.arange(110) + 3 * (np.arange(110) % 2))  # gaps of 7 and 13 ms are no drops
+    uneven = _show(stepped, 10 * np.arange(110) + 3 * (np.arange(110) % 2))  # gaps of 7 and 13 ms are no drops
     assert uneven["frames_dropped"] == 0
-    last = _show(page, [*(5000 + 10 * np.arange(99)), 6020])  # the frame that should have cleared it came late
+    last = _show(stepped, [*(10 * np.arange(99)), 1020])  # the frame that should have cleared it came late
     assert last["frames_dropped"] == 3
     assert last["shown_error_s"] == pytest.approx(0.02)
-    page.context.close()
 
 
-def test_the_response_time_counts_from_the_first_frame(browser, address):
-    page = _stepped(browser, address, 10.0)
-    page.evaluate("frames_([1000, 1010, 1250])")
-    page.locator(".trial .answer").first.click()  # at 1250 ms, as the page's clock has it
-    page.evaluate("(times) => frames_(times)", (1260 + 10.0 * np.arange(80)).tolist())
-    wait_until(page, lambda: n_answered(page) == 1)
-    assert page.evaluate(f"{STUDY}.table()")[0]["response_time_s"] == pytest.approx(0.25)
-    page.context.close()
+def test_the_response_time_counts_from_the_first_frame(stepped):
+    before = n_answered(stepped)
+    stepped.evaluate("frames_([100000, 100010, 100250])")
+    stepped.locator(".trial .answer").first.click()  # 250 ms after the first, as the page's clock has it
+    stepped.evaluate("(times) => frames_(times)", (100_260 + 10.0 * np.arange(80)).tolist())
+    wait_until(stepped, lambda: n_answered(stepped) > before)
+    assert stepped.evaluate(f"{STUDY}.table()")[-1]["response_time_s"] == pytest.approx(0.25)
 
 
 def test_the_blank_screen_is_as_long_as_the_task_says(browser, tmp_path):
@@ -141,7 +138,7 @@ def test_the_blank_screen_is_as_long_as_the_task_says(browser, tmp_path):
         wait_until(page, lambda: page.evaluate("window.changes.length > 1"))
         (cleared, count, text), (shown, *_) = page.evaluate("window.changes")[:2]
     assert (count, text) == (0, "")
-    assert 499 <= shown - cleared < 1000
+    assert 499 <= shown - cleared < 2000
 
 
 def test_what_a_browser_measures_agrees_with_itself(browser, tmp_path):
@@ -167,9 +164,9 @@ def test_the_whole_study_of_the_paper(browser, tmp_path):
         page.clock.run_for(1000)
         while (left := page.evaluate(PRESS)) is not None:
             # Most of a walk and of the blank screen in one leap each, what is at their ends frame by frame.
-            for leap in ([left - 100] if left else []) + [2800]:
+            for leap in ([left - 40] if left else []) + [2900]:
                 page.clock.fast_forward(round(leap))
-                page.clock.run_for(300)
+                page.clock.run_for(128)
         table = page.evaluate(f"{STUDY}.table()")
         stored = page.evaluate("JSON.stringify(localStorage).length")
     assert len(table) == 240

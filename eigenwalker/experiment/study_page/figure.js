@@ -62,22 +62,27 @@ export class CanvasWalk {
     Object.assign(this, { distance, room: [place.clientWidth, place.clientHeight] });
   }
 
+  /** Metres that heads or dots are wide, where the task does not say it in degrees. */
+  get width() {
+    const { figure, dot_degrees: dot } = this.task;
+    const part = figure === "dots" ? ((dot ?? DOT.degrees) / DOT.degrees) * DOT.part : HEAD;
+    return part * this.figure.motion.height;
+  }
+
   /** Pixels a metre that the task asks for, or with which all of the walk is in the picture. */
   get wantedScale() {
     const { figure, task } = this;
     if (task.height_degrees !== null) return pixelsAcross(task.height_degrees, this.distance) / figure.motion.height;
-    return Math.min(...this.room.map((side, axis) => (FILLED * side) / Math.max(figure.size[axis], 1e-9)));
+    return Math.min(...this.room.map((side, axis) => (FILLED * side) / (figure.size[axis] + this.width)));
   }
 
   /** Take a scale, the same one for all walks of a trial. The canvas is as large as the walk needs: that is faster. */
   set scale(scale) {
-    const { height } = this.figure.motion;
-    const { figure, height_degrees: degrees } = this.task;
-    const dot = this.task.dot_degrees ?? DOT.degrees;
+    const { figure, height_degrees: degrees, dot_degrees: dot } = this.task;
+    const isGiven = figure === "dots" && degrees !== null;
+    const rim = (isGiven ? pixelsAcross(dot ?? DOT.degrees, this.distance) : this.width * scale) / 2;
     this.pixels = scale;
-    this.dot =
-      (degrees === null ? (dot / DOT.degrees) * DOT.part * height * scale : pixelsAcross(dot, this.distance)) / 2;
-    const rim = figure === "dots" ? this.dot : (HEAD * height * scale) / 2;
+    this.dot = rim;
     const needed = this.figure.size.map((size) => Math.ceil(size * scale + 2 * rim) + 2);
     this.isWhole = needed.every((side, axis) => side <= this.room[axis] + 2);
     this.resizeCanvas(needed.map((side, axis) => Math.min(side, this.room[axis])));

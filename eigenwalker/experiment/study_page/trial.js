@@ -63,7 +63,9 @@ export class Trial {
     this.elements.forEach((element, i) => this.label(element, i));
     this.walks = namesOf(task, row).map((name, i) => this.buildWalk(name, i));
     this.lay();
-    addEventListener("resize", () => this.lay(), { signal: this.ends.signal });
+    const watcher = new ResizeObserver(() => this.lay()); // windows change, and so do the lines above the stage
+    watcher.observe(this.find(".stage"));
+    this.ends.signal.addEventListener("abort", () => watcher.disconnect());
   }
 
   label(element, i) {
