@@ -105,7 +105,13 @@ def _harmonics(stimuli: list[Stimulus]) -> tuple[dict[str, Any] | None, dict[str
         except (WalkError, TypeError, ValueError) as error:
             faults.append(f"{stimulus.name}: {error}")
             continue
-        said[stimulus.name] = {"source": "harmonics", "walker": len(walks), "height": height, "elevation": 0.0}
+        said[stimulus.name] = {
+            "source": "harmonics",
+            "walker": len(walks),
+            "height": height,
+            "elevation": 0.0,
+            "duration": walk.duration,
+        }
         walks.append((walk, dots))
     if faults or not walks:
         return None, said, faults
@@ -162,7 +168,7 @@ def _task(task: Task) -> dict[str, Any]:
         "mark_reference": task.name == "pair",
         "figure": showing.figure,
         "height_degrees": showing.height,
-        "dot_degrees": showing.dot_diameter if showing.height is not None else None,
+        "dot_degrees": showing.dot_diameter,
         "duration": showing.duration,
         "self_paced": showing.self_paced,
         "answer": showing.answer,
