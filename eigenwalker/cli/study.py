@@ -215,6 +215,11 @@ def _describe(study: Study, options: argparse.Namespace) -> None:
         f"study {study.id}: {len(study.stimuli)} walks, {study.n_participants} participants; each has "
         f"{_counted(n_runs, 'run')} of {'up to ' if runs.nunique() > 1 else ''}{_counted(longest, 'trial')}"
     )
+    observers = study.design[study.design["task"] == RatingTask.name].groupby("trait")["participant"].nunique()
+    if len(observers):
+        print("  observers: " + ", ".join(f"{number} of {trait!r}" for trait, number in observers.items()))
+    if (observers < 2).any():
+        print("  a single observer's ratings have no reliability; ask for more with --participants")
     print(f"wrote {options.out}")
     if "page" in options.formats:
         print(f"  open {options.out / 'index.html'} in a browser, and choose the number of the participant")

@@ -64,7 +64,7 @@ def page_contents(study: Study) -> dict[str, Any]:
             _check_path(stimulus, motions[key][1])
             stimuli[stimulus.name] = _frames(stimulus, motions[key][0])
         except (WalkError, ValueError) as error:
-            faults.append(f"{stimulus.name}: {error}")
+            faults.append(_fault(stimulus, error))
     if faults:
         raise WalkError("; ".join(faults))
     for stimulus in study.stimuli:
@@ -103,7 +103,7 @@ def _harmonics(stimuli: list[Stimulus]) -> tuple[dict[str, Any] | None, dict[str
             walk = shown_markers(stimulus.walk)
             dots, height = walker_dots(walk, _HARMONICS)
         except (WalkError, TypeError, ValueError) as error:
-            faults.append(f"{stimulus.name}: {error}")
+            faults.append(_fault(stimulus, error))
             continue
         said[stimulus.name] = {
             "source": "harmonics",
@@ -120,6 +120,11 @@ def _harmonics(stimuli: list[Stimulus]) -> tuple[dict[str, Any] | None, dict[str
     for one, vector, (_, dots) in zip(said.values(), vectors, walks, strict=True):
         one["middle"] = (vector[:3] - dots.coefficients[0, 0]).tolist()  # what walker_dots took out of all markers
     return space, said, faults
+
+
+def _fault(stimulus: Stimulus, error: Exception) -> str:
+    """Return what is wrong with a stimulus, with its name."""
+    return str(error) if repr(stimulus.name) in str(error) else f"{stimulus.name}: {error}"
 
 
 def _motion(stimulus: Stimulus) -> dict[str, Any]:

@@ -66,7 +66,7 @@ def test_all_walks_that_cannot_be_shown_are_named():
     holes = np.array(WALKS[0].positions)
     holes[3] = np.nan
     bad = [replace(WALKS[0], positions=holes, name=name) for name in ("anna", "berta")]
-    with pytest.raises(WalkError, match=r"(?s)anna: .*berta: "):
+    with pytest.raises(WalkError, match=r"(?s)'anna': .*'berta': "):
         page_contents(make_study(RatingTask(), walks=[*bad, WALKS[1]], n_participants=1))
 
 
