@@ -84,7 +84,7 @@ def test_answers_of_a_task_differ(task):
         (lambda: RatingTask(("sad", "so-so", "happy")), "poles must be two words"),
         (lambda: RatingTask("sad"), "poles must be a sequence"),
         (lambda: RatingTask(("sad", "hap\r\npy")), "poles must be without line breaks"),
-        (lambda: RecognitionTask(("a\tb",)), "styles must be without line breaks"),
+        (lambda: RecognitionTask(("a\x0bb",)), "styles must be without line breaks"),
         (lambda: RatingTask(n_buttons=1), "n_buttons must be a number of at least 2"),
         (lambda: RatingTask(views=()), "views must be a sequence of one viewpoint or more"),
         (lambda: RatingTask(views=(0, "frontal")), "views must differ"),
