@@ -146,14 +146,7 @@ def cross_stimuli(
     >>> len(stimuli), stimuli[2].name, stimuli[2].reference
     (8, 'sad_synthetic_static', 'sad_original_static')
     """
-    for name, series in (("originals", originals), ("synthetics", synthetics)):
-        if not isinstance(series, Mapping):
-            raise TypeError(
-                f"{name} must be a mapping of styles to walks, {{'sad': walk}}, got {type(series).__name__}"
-            )
-    recorded, made = (
-        {str(style): _listed(walks) for style, walks in series.items()} for series in (originals, synthetics)
-    )
+    recorded, made = _by_style(originals, "originals"), _by_style(synthetics, "synthetics")
     _check_counts(recorded, made)
     for condition in conditions:
         check_choice(condition, CONDITIONS, name="conditions")
@@ -180,6 +173,12 @@ def cross_stimuli(
             for condition in conditions
         ]
     return stimuli
+
+
+def _by_style(series: object, name: str) -> dict[str, list[Walk | JointWalk]]:
+    if not isinstance(series, Mapping):
+        raise TypeError(f"{name} must be a mapping of styles to walks, {{'sad': walk}}, got {type(series).__name__}")
+    return {str(style): _listed(walks) for style, walks in series.items()}
 
 
 def _listed(walks: _Walks) -> list[Walk | JointWalk]:
