@@ -6,6 +6,7 @@ from itertools import chain
 from typing import Any
 
 from joblib import parallel_config
+from joblib.parallel import get_active_backend
 
 __all__ = ["on_cluster", "workers_of"]
 
@@ -59,10 +60,16 @@ def on_cluster(client: Any, *data: Any, folds: Sequence[tuple[Any, Any]] = ()) -
     ...     scores = cross_validate(model, walks, y, cv=folds)
     """
     _check_client(client)
+    held = [*data, *chain.from_iterable(folds)]
     was_managed = client.amm.running()
     client.amm.stop()
     try:
-        with parallel_config("dask", client=client, scatter=[*data, *chain.from_iterable(folds)]):
+        with parallel_config("dask", client=client):
+            # Under keys of their own. By their hash, as joblib does it, workers may be told to let go of the same data
+            # of a call before after they got them again, and are then asked for them for ever.
+            futures = client.scatter(held, broadcast=True, hash=False) if held else []
+            backend, _ = get_active_backend()
+            backend.data_futures = {id(one): future for one, future in zip(held, futures, strict=True)}
             yield
     finally:
         if was_managed:

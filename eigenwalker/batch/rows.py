@@ -4,18 +4,17 @@ import math
 import threading
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager, nullcontext
-from dataclasses import dataclass, replace
-from functools import cache
-from os import PathLike, fspath
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from os import PathLike, fspath, getpid
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from sklearn.base import clone
-from threadpoolctl import ThreadpoolController
 
 from eigenwalker._validation import WalkError
+from eigenwalker.batch.workers import keep_to_task
 from eigenwalker.model.linearization import FourierLinearizer
 from eigenwalker.motion.fourier import explained_power
 from eigenwalker.motion.preparation import prepare
@@ -71,11 +70,14 @@ class Job:
         Arguments of `prepare`; None leaves walks as they are read.
     linearizer : FourierLinearizer
         Fitted, or not yet while a first walk is looked for.
+    owner : int
+        The process that gives the tasks.
     """
 
     read: Callable[..., Any]
     preparation: Mapping[str, Any] | None
     linearizer: FourierLinearizer
+    owner: int = field(default_factory=getpid)
 
 
 def file_of(item: object) -> str:
@@ -89,7 +91,7 @@ def rows_of_files(job: Job, items: Iterable[object]) -> list[list[Row]]:
     A WalkError, ValueError or OSError is a refusal, and becomes a row with its reason. Anything else propagates, with
     the name of the file.
     """
-    with _one_thread():
+    with keep_to_task(job.owner):
         return [_rows_of_file(job, item) for item in items]
 
 
@@ -186,17 +188,3 @@ def _catch_warnings() -> Iterator[Sequence[warnings.WarningMessage]]:
     with _ONE_AT_A_TIME, warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         yield caught
-
-
-def _one_thread() -> AbstractContextManager[Any]:
-    """Keep linear algebra to one thread: matrices are small. In threads the limit would be lifted by whoever is first.
-
-    Dask limits the threads of its workers itself.
-    """
-    in_main = threading.current_thread() is threading.main_thread()
-    return _pools().limit(limits=1) if in_main else nullcontext()
-
-
-@cache
-def _pools() -> ThreadpoolController:
-    return ThreadpoolController()  # looks through all libraries of the process, which takes milliseconds

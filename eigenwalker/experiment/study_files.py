@@ -93,7 +93,8 @@ def build_study(
     The five studies of the papers, each by one call (Troje 2002, section 4; Tilmanne & Dutoit 2012, section 3;
     Tilmanne, Moinet & Dutoit 2012, 6.2, 6.3 and 6.4):
 
-    >>> from eigenwalker.experiment import RatingTask, build_study, cross_stimuli
+    >>> from eigenwalker.experiment import NaturalnessTask, PairTask, RatingTask, RecognitionTask, ResemblanceTask
+    >>> from eigenwalker.experiment import build_study, cross_stimuli
     >>> moods = [RatingTask(("sad", "happy")), RatingTask(("relaxed", "nervous"))]
     >>> build_study(moods, walks=walkers, n_participants=6, out="moods", random_state=0)  # doctest: +SKIP
     >>> walks = cross_stimuli(originals, synthetics, average=average)  # doctest: +SKIP
