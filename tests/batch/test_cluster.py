@@ -26,8 +26,9 @@ pytestmark = [
 ]
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def client():
+    """Return a cluster of its own for each test: one in which a worker was killed takes a while to know that."""
     from distributed import Client, LocalCluster
 
     with (
