@@ -1,9 +1,11 @@
 """One job done to many things: every refusal is kept, and all of them are reported at once."""
 
+import os
 import sys
 import threading
 import warnings
 from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, chdir, nullcontext
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
@@ -12,7 +14,7 @@ from tqdm import tqdm
 
 from eigenwalker._validation import WalkError, check_choice
 
-__all__ = ["Refusal", "collect", "report_refusals"]
+__all__ = ["Refusal", "collect", "report_refusals", "work_in"]
 
 _Item = TypeVar("_Item")
 _Result = TypeVar("_Result")
@@ -60,7 +62,9 @@ def collect(
     >>> results, refusals[0].name
     ([1.5, None], 'second')
     """
-    outcomes = Parallel(n_jobs=n_jobs, return_as="generator")(delayed(_attempt)(function, item) for item in items)
+    folder = os.getcwd()
+    jobs = (delayed(_attempt)(function, item, folder) for item in items)
+    outcomes = Parallel(n_jobs=n_jobs, return_as="generator")(jobs)
     bar = tqdm(outcomes, total=len(items), desc=description, delay=2, disable=not progress, file=sys.stderr)
     results: list[_Result | None] = []
     refusals: list[Refusal] = []
@@ -100,16 +104,27 @@ def report_refusals(refusals: Sequence[Refusal], n_items: int, *, on_error: str,
     warnings.warn(f"{count} and left out:{listed}", UserWarning, stacklevel=3)
 
 
+def work_in(folder: str) -> AbstractContextManager[None]:
+    """Return a context in which relative paths start from a folder.
+
+    A process that works on tasks may be older than the task, and may have been started in another folder. On a machine
+    that does not have the folder nothing changes.
+    """
+    return chdir(folder) if os.getcwd() != folder and os.path.isdir(folder) else nullcontext()
+
+
 def _one_line(refusal: Refusal) -> str:
     reason = " ".join(refusal.reason.split())
     return reason if reason.startswith(refusal.name) else f"{refusal.name}: {reason}"
 
 
-def _attempt(function: Callable[[_Item], _Result], item: _Item) -> tuple[_Result | None, str | None, list[_Caught]]:
+def _attempt(
+    function: Callable[[_Item], _Result], item: _Item, folder: str
+) -> tuple[_Result | None, str | None, list[_Caught]]:
     """Return the result or the reason for having none, and the warnings on the way."""
     if threading.current_thread() is not threading.main_thread():
         return (*_result_or_reason(function, item), [])  # catching warnings is not safe in threads; they are shown
-    with warnings.catch_warnings(record=True) as caught:
+    with work_in(folder), warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         result, reason = _result_or_reason(function, item)
     return result, reason, [(entry.message, entry.category, entry.filename, entry.lineno) for entry in caught]

@@ -6,13 +6,14 @@ import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from os import PathLike, fspath, getpid
+from os import PathLike, fspath, getcwd, getpid
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from sklearn.base import clone
 
+from eigenwalker._collect import work_in
 from eigenwalker._validation import WalkError
 from eigenwalker.batch.workers import keep_to_task
 from eigenwalker.model.linearization import FourierLinearizer
@@ -72,12 +73,15 @@ class Job:
         Fitted, or not yet while a first walk is looked for.
     owner : int
         The process that gives the tasks.
+    folder : str
+        The folder in which that process works, from which relative paths are read.
     """
 
     read: Callable[..., Any]
     preparation: Mapping[str, Any] | None
     linearizer: FourierLinearizer
     owner: int = field(default_factory=getpid)
+    folder: str = field(default_factory=getcwd)
 
 
 def file_of(item: object) -> str:
@@ -101,7 +105,7 @@ def find_walk(job: Job, item: object) -> tuple[Walk | JointWalk | None, str | No
     Parameters of the linearizer that are out of range are no reason, but an error.
     """
     walks, reason = _recorded(job, item), None
-    with _catch_warnings():
+    with _as_owner(job):
         while True:
             try:
                 walk = next(walks, None)
@@ -121,7 +125,7 @@ def _rows_of_file(job: Job, item: object) -> list[Row]:
     file, walks = file_of(item), _recorded(job, item)
     rows: list[Row] = []
     while True:
-        with _catch_warnings() as caught:
+        with _as_owner(job) as caught:
             row = _next_row(job, file, walks)
         if row is None:
             return rows or [Row(file, reason="expected at least one walk in the file, got none")]
@@ -182,9 +186,10 @@ def _quality(walk: Walk | JointWalk, frequency: float, n_harmonics: int) -> tupl
 
 
 @contextmanager
-def _catch_warnings() -> Iterator[Sequence[warnings.WarningMessage]]:
+def _as_owner(job: Job) -> Iterator[Sequence[warnings.WarningMessage]]:
+    """Work in the folder of the process that gave the task, and catch warnings."""
     # Two threads that catch warnings at once would spoil each other's lists. Waiting costs little: what is between two
     # warnings is Python and holds its lock anyway.
-    with _ONE_AT_A_TIME, warnings.catch_warnings(record=True) as caught:
+    with _ONE_AT_A_TIME, work_in(job.folder), warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         yield caught

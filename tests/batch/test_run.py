@@ -221,6 +221,18 @@ def test_processes_and_parts_do_not_matter(paths, undisturbed, tmp_path):
     pd.testing.assert_frame_equal(_table(one), _table(undisturbed), check_exact=True)
 
 
+def test_processes_that_were_started_in_another_folder_do_not_matter(paths, undisturbed, tmp_path, monkeypatch):
+    folder = paths[0].parents[1]
+    joblib.Parallel(n_jobs=2)(joblib.delayed(os.getpid)() for _ in range(8))  # joblib keeps them for the next call
+    monkeypatch.chdir(folder)
+    files = [path.relative_to(folder) for path in paths]
+    table = linearize_in_place(files, FourierLinearizer(), tmp_path / "table", n_jobs=2).folder
+    drop = ["file", "reason"]  # which say the paths
+    pd.testing.assert_frame_equal(
+        _table(table).drop(columns=drop), _table(undisturbed).drop(columns=drop), check_exact=True
+    )
+
+
 def test_threads_do_not_matter(paths, undisturbed, tmp_path):
     with joblib.parallel_config("threading", n_jobs=2):
         linearize_in_place(paths, FourierLinearizer(), tmp_path / "table", files_per_part=3)

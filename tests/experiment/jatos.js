@@ -31,6 +31,7 @@
     endStudy: () => put(`ended ${run}`, true),
     batchSession: {
       defined: (path) => path.slice(1) in get("batch", {}),
+      find: (path) => get("batch", {})[path.slice(1)],
       add: (path, value) =>
         arrives(() => {
           const rival = get("rival"); // another run, which changes the batch session a moment before

@@ -99,6 +99,16 @@ def test_runs_take_the_next_free_number_and_keep_it(browser, address, contents):
         assert _taken(page, contents) == {"1": "101", "2": "102"}
 
 
+def test_a_run_that_is_reloaded_as_soon_as_it_took_a_number_keeps_it(browser, address, contents):
+    with open_study(browser) as page:
+        page.goto(f"{address}?participant=3")
+        page.wait_for_selector(".who")
+        _set(page, run=102, batch={f"{contents['study']}_{number}": run for number, run in ((1, "101"), (2, "102"))})
+        page.goto(address)
+        assert page.locator(".who").inner_text() == "You are participant 2: 4 to answer."
+        assert _taken(page, contents) == {"1": "101", "2": "102"}
+
+
 def test_a_number_that_another_run_took_at_the_same_moment_is_left_to_it(browser, address, contents):
     with open_study(browser) as page:
         page.goto(f"{address}?participant=3")

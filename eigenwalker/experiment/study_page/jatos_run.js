@@ -37,9 +37,7 @@ export class JatosRun {
   async keepParticipant(participant) {
     try {
       await this.remember({ participant });
-      const { batchSession } = this.jatos;
-      if (!batchSession.defined(this.placeOf(participant)))
-        await batchSession.add(this.placeOf(participant), String(this.jatos.studyResultId));
+      if (this.holderOf(participant) === null) await this.take(participant);
     } catch {
       // without a batch session numbers are given out by hand
     }
@@ -49,18 +47,32 @@ export class JatosRun {
     return `/${this.contents.study}_${participant}`;
   }
 
+  /** The run that has taken a number, or null. */
+  holderOf(participant) {
+    const { batchSession } = this.jatos;
+    const place = this.placeOf(participant);
+    return batchSession.defined(place) ? batchSession.find(place) : null;
+  }
+
+  take(participant) {
+    return this.jatos.batchSession.add(this.placeOf(participant), String(this.jatos.studyResultId));
+  }
+
   /**
-   * Take the first free number. JATOS refuses what is added to a batch session that another run has just changed, so
-   * that no two runs have the same number; then this one tries again.
+   * Take the first free number, or that which this run took just before it was reloaded. JATOS refuses what is added to
+   * a batch session that another run has just changed, so that no two runs have the same number; then this one tries
+   * again.
    */
   async claim() {
-    const { batchSession } = this.jatos;
+    const run = String(this.jatos.studyResultId);
+    const numbers = Array.from({ length: this.contents.n_participants }, (_, i) => i + 1);
     for (let attempt = 0; attempt < ATTEMPTS; attempt++) {
       try {
-        const numbers = Array.from({ length: this.contents.n_participants }, (_, i) => i + 1);
-        const free = numbers.find((number) => !batchSession.defined(this.placeOf(number)));
+        const own = numbers.find((number) => this.holderOf(number) === run);
+        if (own) return own;
+        const free = numbers.find((number) => this.holderOf(number) === null);
         if (!free) return null;
-        await batchSession.add(this.placeOf(free), String(this.jatos.studyResultId));
+        await this.take(free);
         return free;
       } catch {
         await pause(WAIT * (1 + Math.random()));
