@@ -144,7 +144,7 @@ class FourierLinearizer(TransformerMixin, BaseEstimator):
         walks = check_walks(X, kind=(Walk, JointWalk))
         check_alike(walks, self.template_)
         weights = phase_weights(self.template_, self.phase_reference)
-        vectors = np.empty((len(walks), len(self.get_feature_names_out())))
+        vectors = np.empty((len(walks), self._n_features))
         poor = []
         for vector, (walk, frequency, coefficients, power) in zip(vectors, self._fit_each(walks), strict=True):
             aligned = shift_phase(coefficients, reference_phase(coefficients, weights))
@@ -181,9 +181,8 @@ class FourierLinearizer(TransformerMixin, BaseEstimator):
         """
         check_is_fitted(self)
         vectors = check_array(X, dtype=np.float64, input_name="X")
-        n_features = len(self.get_feature_names_out())
-        if vectors.shape[1] != n_features:
-            raise ValueError(f"expected {n_features} features a walk, got {vectors.shape[1]}")
+        if vectors.shape[1] != self._n_features:
+            raise ValueError(f"expected {self._n_features} features a walk, got {vectors.shape[1]}")
         return [self._to_walk(vector, f"walk {position}") for position, vector in enumerate(vectors)]
 
     def residual_power(self, walks: Sequence[Walk | JointWalk]) -> NDArray[np.float64]:
@@ -215,6 +214,10 @@ class FourierLinearizer(TransformerMixin, BaseEstimator):
         blocks = ["mean"] + [f"{wave}{k}" for k in range(1, self.n_harmonics + 1) for wave in ("sin", "cos")]
         names = [f"{block}_{channel}" for block in blocks for channel in self.template_.channel_names]
         return np.array([*names, "frequency", *self.extras], dtype=object)
+
+    @property
+    def _n_features(self) -> int:
+        return (2 * self.n_harmonics + 1) * len(self.template_.channel_names) + 1 + len(self.extras)
 
     def _fit_each(
         self, walks: list[Walk | JointWalk]

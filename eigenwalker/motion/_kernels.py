@@ -10,7 +10,7 @@ follow from closed sums over time, and the data are read once, by one matrix pro
 import numpy as np
 from numba import njit
 
-__all__ = ["block_means", "fit_series", "line_and_wave_shares", "refine"]
+__all__ = ["block_means", "fit_series", "line_and_wave_shares", "refine", "residual_power"]
 
 # Multiplications in a matrix product, up to which OpenBLAS keeps to one thread: waking a second one takes longer.
 _ONE_THREAD = 262_144
@@ -183,6 +183,40 @@ def fit_series(channels, omega, n_harmonics):
             coefficients[2 * k - 1, channel] = along_sine * cosine + along_cosine * sine
             coefficients[2 * k, channel] = along_cosine * cosine - along_sine * sine
     return coefficients
+
+
+@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+def residual_power(channels, coefficients, omega):
+    """Return the sum of squares that coefficients leave, and that about each channel's mean.
+
+    Parameters
+    ----------
+    channels : ndarray of shape (n_frames, n_channels)
+        float64, contiguous.
+    coefficients : ndarray of shape (2 K + 1, n_channels)
+        float64, contiguous, with time zero in the first frame.
+    omega : float
+        Fundamental frequency in radians per frame.
+    """
+    n_frames, n_channels = channels.shape
+    means = np.zeros(n_channels)
+    for frame in range(n_frames):
+        for channel in range(n_channels):
+            means[channel] += channels[frame, channel]
+    means /= n_frames
+    fitted = np.empty(n_channels)
+    left = total = 0.0
+    for frame in range(n_frames):
+        fitted[:] = coefficients[0]
+        for k in range(1, len(coefficients) // 2 + 1):
+            sine, cosine = np.sin(k * omega * frame), np.cos(k * omega * frame)
+            for channel in range(n_channels):
+                fitted[channel] += sine * coefficients[2 * k - 1, channel] + cosine * coefficients[2 * k, channel]
+        for channel in range(n_channels):
+            residual, about = channels[frame, channel] - fitted[channel], channels[frame, channel] - means[channel]
+            left += residual * residual
+            total += about * about
+    return left, total
 
 
 @njit(cache=True, nogil=True)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from eigenwalker._validation import WalkError, check_frame_rate
-from eigenwalker.motion._kernels import block_means, fit_series, line_and_wave_shares, refine
+from eigenwalker.motion._kernels import block_means, fit_series, line_and_wave_shares, refine, residual_power
 
 __all__ = [
     "amplitude_phase",
@@ -219,11 +219,9 @@ def explained_by(
     coefficients: NDArray[np.floating], channels: NDArray[np.floating], frame_rate: float, frequency: float
 ) -> float:
     """Return the `explained_power` of coefficients that `fit_harmonics` has fitted already."""
-    fitted = evaluate_harmonics(coefficients, frequency, np.arange(len(channels)) / frame_rate)
-    residual = channels - fitted
-    about_mean = channels - channels.mean(axis=0, dtype=np.float64)
-    total = float(np.vdot(about_mean, about_mean))
-    return 1.0 - float(np.vdot(residual, residual)) / total if total > 0 else 0.0
+    omega = 2 * np.pi * frequency / frame_rate
+    left, total = residual_power(_as_compiled(channels), _as_compiled(coefficients), omega)
+    return 1.0 - left / total if total > 0 else 0.0
 
 
 def estimate_frequency(

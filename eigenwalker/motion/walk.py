@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
@@ -108,7 +109,7 @@ class Walk:
     @property
     def channel_names(self) -> tuple[str, ...]:
         """Names of the channels, ``left_ankle_x`` and so on."""
-        return tuple(f"{marker}_{axis}" for marker in self.marker_set.names for axis in _AXES)
+        return _channels_of(self.marker_set.names)
 
     @property
     def phase_channels(self) -> dict[str, float]:
@@ -272,8 +273,7 @@ class JointWalk:
     @property
     def channel_names(self) -> tuple[str, ...]:
         """Names of the channels, ``LeftUpLeg_y`` and so on."""
-        joints = self.skeleton.joint_names if self.channel_joints is None else self.channel_joints
-        return tuple(f"{joint}_{axis}" for joint in joints for axis in _AXES)
+        return _channels_of(self.skeleton.joint_names if self.channel_joints is None else self.channel_joints)
 
     def _columns(self) -> NDArray[np.intp]:
         """Positions of the joints that have channels, shape (n_channels / 3,)."""
@@ -373,6 +373,12 @@ def hip_flexion(rig: Rig) -> dict[str, float]:
 
 AnyWalk = TypeVar("AnyWalk", Walk, JointWalk)
 """Of what a function returns the same kind that it takes."""
+
+
+@lru_cache(maxsize=64)  # walks share their markers
+def _channels_of(places: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the names of the channels of markers or joints."""
+    return tuple(f"{place}_{axis}" for place in places for axis in _AXES)
 
 
 def _check_common(walk: Walk | JointWalk) -> None:

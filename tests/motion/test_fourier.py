@@ -161,6 +161,23 @@ def test_no_period_is_refused(signal, reason):
         coarse_frequency(signal, 60, name="anna")
 
 
+@settings(deadline=None)
+@given(
+    seed=st.integers(0, 10_000),
+    n_harmonics=st.integers(1, 6),
+    frequency=st.floats(0.6, 1.4),
+    n_frames=st.integers(60, 900),
+    offset=st.sampled_from([0.0, 1e3]),
+)
+def test_explained_power_is_one_less_the_share_of_squares_that_is_left(seed, n_harmonics, frequency, n_frames, offset):
+    """Far from the origin, too, where squares are large that no one asks for."""
+    channels = offset + np.random.default_rng(seed).normal(size=(n_frames, 5))
+    coefficients = fit_harmonics(channels, 50.0, frequency, n_harmonics)
+    residual = channels - evaluate_harmonics(coefficients, frequency, np.arange(n_frames) / 50.0)
+    expected = 1 - (residual**2).sum() / ((channels - channels.mean(axis=0)) ** 2).sum()
+    assert_allclose(explained_power(channels, 50.0, frequency, n_harmonics), expected, atol=1e-10)
+
+
 def test_explained_power_between_nothing_and_all():
     _, wave = _series(1, 2, 1.0, 240, 60)
     assert_allclose(explained_power(wave, 60, 1.0, 2), 1.0)
