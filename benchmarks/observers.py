@@ -19,9 +19,9 @@ from benchmarks._findings import Check
 from benchmarks._machine import describe_machine
 from benchmarks._tables import print_table
 from eigenwalker.datasets import make_walkers
-from eigenwalker.experiment.intraclass import intraclass_correlation
-from eigenwalker.experiment.ratings import ratings_to_traits
-from eigenwalker.experiment.simulated_observers import simulate_answers
+from eigenwalker.experiment.ratings.intraclass import intraclass_correlation
+from eigenwalker.experiment.ratings.traits import ratings_to_traits
+from eigenwalker.experiment.simulated.observers import simulate_answers
 from eigenwalker.experiment.stimulus import Stimulus
 from eigenwalker.experiment.study import Study, make_study
 from eigenwalker.experiment.tasks import RatingTask

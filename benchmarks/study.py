@@ -13,7 +13,7 @@ from benchmarks._command import run
 from benchmarks._findings import Check
 from benchmarks._machine import describe_machine
 from benchmarks._tables import print_table
-from tests.experiment.study_pages import measure_timing
+from tests.experiment.running.study_pages import measure_timing
 
 _DURATION = 7.0  # seconds
 _SHARE_WANTED = 0.95  # of displays, right within a frame

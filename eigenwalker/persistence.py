@@ -34,7 +34,7 @@ _ESTIMATORS = (
 )
 _HELD = (Coding, ContextTree, JointWalk, MarkerSet, Question, Skeleton, Split, Walk)  # by fitted estimators
 # Of parts that come after this one, by name: skops imports what a file asks for.
-_LATER = ("eigenwalker.experiment.style_judge.JudgedFeatures",)
+_LATER = ("eigenwalker.experiment.judging.style_judge.JudgedFeatures",)
 _TRUSTED = frozenset(f"{part.__module__}.{part.__name__}" for part in (*_ESTIMATORS, *_HELD)) | set(_LATER)
 # What models are made of. skops' other nodes call what they hold, unpack archives, or set a random state past its end.
 _NODES = frozenset(

@@ -31,6 +31,16 @@ ALLOWED = {
     "__init__": {"_validation", "motion", "io", "datasets", "model", "hsmm", "persistence"},
 }
 
+# What each room of `experiment` may import of the others. The modules beside the rooms are for all of them.
+ROOMS = {
+    "running": {"answers"},
+    "answers": set(),
+    "simulated": set(),
+    "analysis": set(),
+    "ratings": {"analysis"},
+    "judging": {"analysis"},
+}
+
 
 def _modules():
     return sorted(PACKAGE.rglob("*.py"))
@@ -40,8 +50,8 @@ def _part(path):
     return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
 
 
-def _imported_parts(path):
-    """Yield each part of the package that a module imports, wherever in the module."""
+def _imported_names(path):
+    """Yield the path of each module of the package that a module imports, wherever in the module, from the part on."""
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.ImportFrom):
             names = (
@@ -52,14 +62,33 @@ def _imported_parts(path):
             names = [alias.name for alias in node.names]
         else:
             continue
-        yield from (name.split(".")[1] for name in names if name.startswith("eigenwalker."))
+        yield from (name.split(".")[1:] for name in names if name.startswith("eigenwalker."))
 
 
 @pytest.mark.parametrize("path", _modules(), ids=lambda path: str(path.relative_to(PACKAGE)))
 def test_imports_point_one_way(path):
     part = _part(path)
-    foreign = set(_imported_parts(path)) - {part} - ALLOWED[part]
+    foreign = {name[0] for name in _imported_names(path)} - {part} - ALLOWED[part]
     assert not foreign, f"{path.name} in {part} must not import {sorted(foreign)}"
+
+
+def _experiment_modules():
+    folder = PACKAGE / "experiment"
+    return [path for path in sorted(folder.rglob("*.py")) if path != folder / "__init__.py"]
+
+
+@pytest.mark.parametrize("path", _experiment_modules(), ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_imports_of_rooms_point_one_way(path):
+    """The package itself, with its public names, is for other parts alone."""
+    room = path.parts[len(PACKAGE.parts) + 1]
+    imported = [name[1:] for name in _imported_names(path) if name[0] == "experiment"]
+    assert [] not in imported, f"{path.name} must not import from the package itself"
+    foreign = {name[0] for name in imported} & set(ROOMS) - {room} - ROOMS.get(room, set())
+    assert not foreign, f"{path.name} in {room} must not import {sorted(foreign)}"
+
+
+def test_every_folder_of_experiment_is_a_room():
+    assert {path.parent.name for path in (PACKAGE / "experiment").glob("*/__init__.py")} == set(ROOMS)
 
 
 @pytest.mark.parametrize("path", _modules(), ids=lambda path: str(path.relative_to(PACKAGE)))

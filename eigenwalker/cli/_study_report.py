@@ -7,18 +7,18 @@ from typing import Any
 import pandas as pd
 
 from eigenwalker.display.ratings_display import RatingsDisplay
-from eigenwalker.experiment.answer_files import read_answers
-from eigenwalker.experiment.naturalness_answers import naturalness_report
-from eigenwalker.experiment.rating_intervals import mean_ratings
-from eigenwalker.experiment.ratings import rating_counts, ratings_to_traits
-from eigenwalker.experiment.recognition_answers import recognition_report
-from eigenwalker.experiment.reliability import reliability_table
-from eigenwalker.experiment.report_text import estimate_cell, text_table
-from eigenwalker.experiment.score_answers import pair_report, resemblance_report
+from eigenwalker.experiment.analysis.naturalness_answers import naturalness_report
+from eigenwalker.experiment.analysis.recognition_answers import recognition_report
+from eigenwalker.experiment.analysis.report_text import estimate_cell, text_table
+from eigenwalker.experiment.analysis.score_answers import pair_report, resemblance_report
+from eigenwalker.experiment.analysis.trials import trials_of
+from eigenwalker.experiment.answers.files import read_answers
+from eigenwalker.experiment.ratings.intervals import mean_ratings
+from eigenwalker.experiment.ratings.reliability import reliability_table
+from eigenwalker.experiment.ratings.traits import rating_counts, ratings_to_traits
+from eigenwalker.experiment.running.study_files import read_study
 from eigenwalker.experiment.study import Study
-from eigenwalker.experiment.study_files import read_study
 from eigenwalker.experiment.tasks import RatingTask
-from eigenwalker.experiment.trials import trials_of
 
 __all__ = ["report_answers"]
 

@@ -16,8 +16,7 @@ from eigenwalker.cli._file_names import name_depth, short_name
 from eigenwalker.cli._label_table import labels_from_names, labels_from_table
 from eigenwalker.cli._marker_map import read_marker_map
 from eigenwalker.cli._recordings import list_reasons, load, reading_options
-from eigenwalker.experiment.recognition import KINDS
-from eigenwalker.experiment.stimulus import AVERAGE, CONDITIONS, Stimulus, cross_stimuli
+from eigenwalker.experiment.stimulus import AVERAGE, CONDITIONS, KINDS, Stimulus, cross_stimuli
 from eigenwalker.io.formats import read_walk
 from eigenwalker.motion.heading import travels
 from eigenwalker.motion.rig import Rig

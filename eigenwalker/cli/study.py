@@ -9,9 +9,9 @@ from eigenwalker.cli._numbers import count
 from eigenwalker.cli._recordings import add_collecting_arguments, add_reading_arguments, add_recording_arguments
 from eigenwalker.cli._study_report import report_answers
 from eigenwalker.cli._study_stimuli import judged_stimuli, rated_stimuli, write_sources
+from eigenwalker.experiment.running.study_files import FORMATS, build_study
 from eigenwalker.experiment.stimulus import CONDITIONS, Stimulus
 from eigenwalker.experiment.study import Study
-from eigenwalker.experiment.study_files import FORMATS, build_study
 from eigenwalker.experiment.tasks import (
     TASKS,
     NaturalnessTask,

@@ -1,18 +1,22 @@
-"""Perception studies: what people, or classifiers, make of walks, from the task to the figures and back to a trait."""
+"""Perception studies: what people, or classifiers, make of walks, from the task to the figures and back to a trait.
 
-from eigenwalker.experiment.answer_columns import ANSWER_COLUMNS, DESIGN_COLUMNS
-from eigenwalker.experiment.answer_files import read_answers, write_answers
-from eigenwalker.experiment.crossed import crossed_difference, crossed_interval, crossed_mean, crossed_rate
-from eigenwalker.experiment.design import cyclic_square, make_design
-from eigenwalker.experiment.discrimination import Discrimination, discriminate_walks
-from eigenwalker.experiment.intraclass import ICC_INTERVALS, ICC_KINDS, IntraclassCorrelation, intraclass_correlation
-from eigenwalker.experiment.means import mean_interval
-from eigenwalker.experiment.naturalness_answers import NaturalnessReport, naturalness_report
-from eigenwalker.experiment.psych_ds import check_dataset
-from eigenwalker.experiment.rates import Estimated, rate_difference, rate_interval
-from eigenwalker.experiment.rating_intervals import MeanRatings, mean_ratings
-from eigenwalker.experiment.ratings import rating_counts, ratings_to_traits
-from eigenwalker.experiment.recognition import (
+The modules beside this file are what a study is, and what all rooms need; they import none of the rooms:
+
+- `running`: from a study to something that runs;
+- `answers`: files of answers, read and written;
+- `simulated`: answers before anybody was asked;
+- `analysis`: what answers say, and reports of the tests;
+- `ratings`: what ratings say of walkers, and how far observers agree;
+- `judging`: classifiers and measures in place of people.
+
+Imports between rooms point one way: `answers` < `running`; `analysis` < `ratings`, `judging`.
+"""
+
+from eigenwalker.experiment.analysis.crossed import crossed_difference, crossed_interval, crossed_mean, crossed_rate
+from eigenwalker.experiment.analysis.means import mean_interval
+from eigenwalker.experiment.analysis.naturalness_answers import NaturalnessReport, naturalness_report
+from eigenwalker.experiment.analysis.rates import Estimated, rate_difference, rate_interval
+from eigenwalker.experiment.analysis.recognition import (
     answer_shares,
     confusion_tables,
     rate_correlation,
@@ -20,27 +24,41 @@ from eigenwalker.experiment.recognition import (
     recognition_table,
     style_rates,
 )
-from eigenwalker.experiment.recognition_answers import RecognitionReport, recognition_report
-from eigenwalker.experiment.reliability import reliability_table, view_correlations
-from eigenwalker.experiment.resemblance import RESEMBLANCE, mean_resemblance, resemblance_table
-from eigenwalker.experiment.score_answers import ScoreReport, pair_report, resemblance_report
+from eigenwalker.experiment.analysis.recognition_answers import RecognitionReport, recognition_report
+from eigenwalker.experiment.analysis.score_answers import ScoreReport, mean_resemblance, pair_report, resemblance_report
+from eigenwalker.experiment.analysis.trials import TaskTrials, trials_of
+from eigenwalker.experiment.answer_columns import ANSWER_COLUMNS, DESIGN_COLUMNS
+from eigenwalker.experiment.answers.files import read_answers, write_answers
+from eigenwalker.experiment.answers.psych_ds import check_dataset
+from eigenwalker.experiment.design import cyclic_square, make_design
+from eigenwalker.experiment.judging.discrimination import Discrimination, discriminate_walks
+from eigenwalker.experiment.judging.resemblance import resemblance_table
+from eigenwalker.experiment.judging.style_judge import JudgedFeatures, judge_styles, make_style_judge
+from eigenwalker.experiment.judging.variability import cut_alike, stride_variability, variance_ratio
+from eigenwalker.experiment.ratings.intervals import MeanRatings, mean_ratings
+from eigenwalker.experiment.ratings.intraclass import (
+    ICC_INTERVALS,
+    ICC_KINDS,
+    IntraclassCorrelation,
+    intraclass_correlation,
+)
+from eigenwalker.experiment.ratings.reliability import reliability_table, view_correlations
+from eigenwalker.experiment.ratings.split_half import split_half_reliability
+from eigenwalker.experiment.ratings.traits import rating_counts, ratings_to_traits
+from eigenwalker.experiment.running.study_files import build_study, read_study
 from eigenwalker.experiment.showing import Showing
-from eigenwalker.experiment.simulated_observers import simulate_answers
-from eigenwalker.experiment.simulated_studies import simulate_studies
-from eigenwalker.experiment.split_half import split_half_reliability
+from eigenwalker.experiment.simulated.observers import simulate_answers
+from eigenwalker.experiment.simulated.studies import simulate_studies
 from eigenwalker.experiment.stimulus import Stimulus, cross_stimuli
 from eigenwalker.experiment.study import Study, make_study
-from eigenwalker.experiment.study_files import build_study, read_study
-from eigenwalker.experiment.style_judge import JudgedFeatures, judge_styles, make_style_judge
 from eigenwalker.experiment.tasks import (
+    RESEMBLANCE,
     NaturalnessTask,
     PairTask,
     RatingTask,
     RecognitionTask,
     ResemblanceTask,
 )
-from eigenwalker.experiment.trials import TaskTrials, trials_of
-from eigenwalker.experiment.variability import cut_alike, stride_variability, variance_ratio
 
 __all__ = [
     "ANSWER_COLUMNS",

@@ -9,13 +9,15 @@ from pathlib import Path
 from unicodedata import category
 
 from eigenwalker._validation import check_choice, check_names, check_walks
-from eigenwalker.experiment.recognition import KINDS
 from eigenwalker.motion.walk import JointWalk, Walk
 
-__all__ = ["AVERAGE", "CONDITIONS", "Stimulus", "as_stimuli", "check_words", "cross_stimuli"]
+__all__ = ["AVERAGE", "CONDITIONS", "KINDS", "Stimulus", "as_stimuli", "check_words", "cross_stimuli"]
 
 AVERAGE = "average walk"
 """The style of what an average model makes, and the answer that is right for it."""
+
+KINDS = ("original", "synthetic")
+"""The kinds of walks."""
 
 CONDITIONS = ("static", "displacement")
 """In place, or on the way over the floor (Tilmanne, Moinet & Dutoit 2012, 6.1)."""

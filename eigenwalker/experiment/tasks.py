@@ -13,12 +13,12 @@ from typing import Any, ClassVar, NamedTuple
 from eigenwalker._validation import check_choice
 from eigenwalker.display._numbers import check_count, check_number
 from eigenwalker.display.body import find_azimuth
-from eigenwalker.experiment.resemblance import RESEMBLANCE
 from eigenwalker.experiment.showing import Showing
 from eigenwalker.experiment.stimulus import AVERAGE, check_words
 
 __all__ = [
     "DONT_KNOW",
+    "RESEMBLANCE",
     "TASKS",
     "Button",
     "NaturalnessTask",
@@ -31,6 +31,9 @@ __all__ = [
 
 DONT_KNOW = "don't know"
 """The answer of those who cannot decide."""
+
+RESEMBLANCE = ("nothing in common", "very different", "different", "slightly different", "identical")
+"""The answers of the test of resemblance (Tilmanne, Moinet & Dutoit 2012, 6.4), worth 0 to 4."""
 
 _SIDES = ("first", "second", "alternate")
 _REFERENCES = ("left", "right", "random")

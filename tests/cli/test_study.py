@@ -9,9 +9,9 @@ import pandas as pd
 import pytest
 
 from eigenwalker import make_walkers, write_walk
-from eigenwalker.experiment.answer_files import write_answers
-from eigenwalker.experiment.simulated_observers import simulate_answers
-from eigenwalker.experiment.study_files import read_study
+from eigenwalker.experiment.answers.files import write_answers
+from eigenwalker.experiment.running.study_files import read_study
+from eigenwalker.experiment.simulated.observers import simulate_answers
 
 STYLES = ("cool", "happy", "sad")
 PATTERN = r"^[a-z]+_(?P<style>[a-z]+)"

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from eigenwalker.datasets import make_walkers
-from eigenwalker.experiment.answer_files import read_answers, write_answers
-from eigenwalker.experiment.intraclass import intraclass_correlation
-from eigenwalker.experiment.ratings import ratings_to_traits
-from eigenwalker.experiment.simulated_observers import simulate_answers
+from eigenwalker.experiment.answers.files import read_answers, write_answers
+from eigenwalker.experiment.ratings.intraclass import intraclass_correlation
+from eigenwalker.experiment.ratings.traits import ratings_to_traits
+from eigenwalker.experiment.simulated.observers import simulate_answers
 from eigenwalker.experiment.study import make_study
 from eigenwalker.experiment.tasks import RatingTask
 from eigenwalker.model import FourierLinearizer, make_eigenwalkers

@@ -1,0 +1,4 @@
+"""Files of answers: read, checked, and written as a data set.
+
+It imports no other room.
+"""

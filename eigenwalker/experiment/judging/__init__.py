@@ -1,0 +1,4 @@
+"""Classifiers and measures in place of people.
+
+Of the other rooms it imports `analysis`.
+"""
