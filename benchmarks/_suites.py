@@ -15,7 +15,7 @@ from benchmarks._results import Suite
 
 __all__ = ["LONG", "SHORT", "run_suites"]
 
-_TIMED = ("linearize", "read", "inference", "synthesis", "hsmm", "movie", "view", "study")
+_TIMED = ("linearize", "read", "inference", "synthesis", "hsmm", "movie", "view", "study", "scale")
 _UNTIMED = ("truth", "hsmm_styles", "kinect", "styles", "feet", "observers", "frequency", "memory")  # the longest first
 
 SHORT = (*_TIMED, *_UNTIMED)
