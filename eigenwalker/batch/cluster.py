@@ -1,5 +1,6 @@
 """scikit-learn on a Dask cluster, with the walks on every worker."""
 
+import time
 from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from itertools import chain
@@ -9,6 +10,9 @@ from joblib import parallel_config
 from joblib.parallel import get_active_backend
 
 __all__ = ["on_cluster", "workers_of"]
+
+_ATTEMPTS = 20
+_PAUSE = 0.05  # seconds between two looks at who is there
 
 
 def workers_of(client: Any) -> AbstractContextManager[Any]:
@@ -42,6 +46,8 @@ def on_cluster(client: Any, *data: Any, folds: Sequence[tuple[Any, Any]] = ()) -
         If dask.distributed is not installed.
     TypeError
         If `client` is not a Client.
+    RuntimeError
+        If workers keep dying while they are sent the data, as for want of memory.
 
     Notes
     -----
@@ -65,15 +71,46 @@ def on_cluster(client: Any, *data: Any, folds: Sequence[tuple[Any, Any]] = ()) -
     client.amm.stop()
     try:
         with parallel_config("dask", client=client):
-            # Under keys of their own. By their hash, as joblib does it, workers may be told to let go of the same data
-            # of a call before after they got them again, and are then asked for them for ever.
-            futures = client.scatter(held, broadcast=True, hash=False) if held else []
+            futures = _send(client, held) if held else []
             backend, _ = get_active_backend()
             backend.data_futures = {id(one): future for one, future in zip(held, futures, strict=True)}
             yield
     finally:
         if was_managed:
             client.amm.start()
+
+
+def _send(client: Any, held: Sequence[Any]) -> list[Any]:
+    """Return futures of data that all workers have; begin anew where a worker dies meanwhile."""
+    # Not with scatter(broadcast=True), which waits for ever for a worker that has died.
+    for _ in range(_ATTEMPTS):
+        workers = set(client.nthreads())
+        try:
+            # Under keys of their own. By their hash, as joblib does it, workers may be told to let go of the same data
+            # of a call before after they got them again, and are then asked for them for ever.
+            futures = client.scatter(held, hash=False)
+        except (KeyError, OSError, TimeoutError):  # what it raises for a worker that has just died
+            continue
+        copies = [client.submit(_take, futures, workers=[worker], pure=False) for worker in workers]
+        if _have_come(client, copies, workers):
+            return futures
+    raise RuntimeError(
+        f"workers died {_ATTEMPTS} times while they were sent the data; is their memory large enough? See the "
+        "cluster's logs, client.get_worker_logs()"
+    )
+
+
+def _take(data: Sequence[Any]) -> None:
+    """Do nothing: a worker that is given data keeps a copy."""
+
+
+def _have_come(client: Any, copies: Sequence[Any], workers: set[str]) -> bool:
+    """Wait for tasks, one a worker; return whether all are done, or False as soon as a worker is gone."""
+    while not all(copy.done() for copy in copies):
+        if not workers <= set(client.nthreads()):
+            return False
+        time.sleep(_PAUSE)
+    return all(copy.status == "finished" for copy in copies)
 
 
 def _check_client(client: object) -> None:

@@ -141,6 +141,25 @@ def test_cross_validated_though_a_worker_is_killed(client, labeled, tmp_path):
     np.testing.assert_array_equal(scores, expected)
 
 
+def test_data_are_sent_though_a_worker_has_just_been_killed(client, labeled):
+    model, walks, labels, folds, expected = labeled
+    client.wait_for_workers(2, timeout=60)
+    os.kill(next(iter(client.run(os.getpid).values())), signal.SIGKILL)
+    with on_cluster(client, walks, labels, folds=folds):
+        scores = cross_validate(model, walks, labels, cv=folds)["test_score"]
+    np.testing.assert_array_equal(scores, expected)
+
+
+def test_a_cluster_that_takes_no_data_is_an_error(client, monkeypatch):
+    def scatter(*arguments, **options):
+        raise KeyError("tcp://gone")
+
+    monkeypatch.setattr(client, "scatter", scatter)
+    with pytest.raises(RuntimeError, match="died 20 times while they were sent the data"), on_cluster(client, [1, 2]):
+        pass
+    assert client.amm.running()
+
+
 def test_distributed_is_named_where_it_is_missing(monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(ImportError, match=r"pip install 'eigenwalker\[cluster\]'"), on_cluster(2):
