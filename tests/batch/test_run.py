@@ -31,7 +31,7 @@ from tests.joint_bodies import over_floor, swinging
 from tests.synthetic import make_walk
 
 N_FILES = 22
-N_KILLS = int(os.environ.get("EIGENWALKER_TEST_KILLS", "6"))
+N_KILLS = 20
 
 linearize_in_place = partial(linearize_files, preparer="passthrough")
 pytestmark = pytest.mark.filterwarnings("ignore:[0-9]+ of [0-9]+ walks were refused:UserWarning")
