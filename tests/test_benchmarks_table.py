@@ -9,7 +9,7 @@ import pytest
 from benchmarks import __main__ as command
 from benchmarks._comparison import print_comparison
 from benchmarks._findings import Check, Row, from_plain, to_plain
-from benchmarks._guard import find_faults, find_slow, find_unasked, give_verdict
+from benchmarks._guard import find_faults, find_slow, find_unasked, give_verdict, keep_fast_rows
 from benchmarks._results import Results, Suite, read_results, write_results
 from benchmarks._suites import run_suites
 from benchmarks._summary import print_summary
@@ -40,6 +40,27 @@ def test_only_what_is_merely_slow_is_measured_again():
     assert find_slow(_results(_GOOD, _NEAR)) == []
     assert find_slow(_results(_GOOD, _SLOW)) == list(_results(_SLOW).suites)
     assert find_slow(_results(_SLOW, _MISSED)) == []
+
+
+def test_of_low_ratios_the_higher_is_kept_and_nothing_else():
+    before = Suite(1.0, [_GOOD._replace(ratio=9.0), _NEAR, _MISSED])
+    kept = keep_fast_rows(Suite(2.0, [_GOOD, _SLOW, _PASSED, _ABSENT]), before)
+    assert kept == Suite(2.0, [_GOOD, _NEAR, _PASSED, _ABSENT])
+    slower = _SLOW._replace(ratio=1.0)
+    assert keep_fast_rows(Suite(2.0, [_SLOW]), Suite(1.0, [slower])).findings == [_SLOW]
+    assert keep_fast_rows(Suite(2.0, [_WRONG]), before).findings == [_WRONG]
+    failed = Suite(2.0, [], "ValueError: no")
+    assert keep_fast_rows(failed, before) == failed
+
+
+def test_what_is_slow_is_measured_twice_more_at_most(monkeypatch, capsys):
+    found = iter([[_SLOW, _GOOD], [_NEAR, _GOOD._replace(ratio=1.0)], [_SLOW, _GOOD]])
+    monkeypatch.setattr(command, "run_suites", lambda *_, **__: {"read": Suite(1.0, next(found))})
+    assert command.main(["read", "--guard"]) == 0  # in the second run both reach their share in one run or the other
+    assert list(found) == [[_SLOW, _GOOD]]
+    monkeypatch.setattr(command, "run_suites", lambda *_, **__: {"read": Suite(1.0, [_SLOW])})
+    assert command.main(["read", "--guard"]) == 1
+    assert capsys.readouterr().err.count("measuring again") == 3
 
 
 def test_a_missed_check_is_a_fault():

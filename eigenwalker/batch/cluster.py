@@ -53,8 +53,9 @@ def on_cluster(client: Any, *data: Any, folds: Sequence[tuple[Any, Any]] = ()) -
     -----
     Dask's active memory manager, which throws copies away, is stopped meanwhile. The Fourier step learns nothing
     across walks: where they are many it is quicker to linearize them once and to send the vectors,
-    ``cross_validate(model[1:], model[0].fit_transform(walks), y)``, which gives the same numbers. Processes on one
-    machine take no copy of walks with each task inside ``joblib.parallel_config("loky", max_nbytes=10_000)``.
+    ``cross_validate(model[1:], model[0].fit_transform(walks), y)``, which gives the same numbers. On one machine no
+    cluster is needed: inside ``joblib.parallel_config("loky", n_jobs=-1, max_nbytes=10_000)`` processes share the
+    arrays of walks, where joblib by itself would send a copy of them all with each task.
 
     Examples
     --------

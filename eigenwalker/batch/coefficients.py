@@ -90,7 +90,7 @@ def read_coefficients(folder: str | PathLike[str], *, columns: Sequence[str] | N
 
 
 def refused_files(folder: str | PathLike[str]) -> pd.DataFrame:
-    """Return what was refused, and why.
+    """Return what was refused, and why. ``linearize_files(..., retry_refused=True)`` reads these files again.
 
     Parameters
     ----------

@@ -13,7 +13,17 @@ import numpy as np
 
 from eigenwalker.batch.rows import QUALITY, Row
 
-__all__ = ["Finished", "check_parts", "make_schema", "part_paths", "pyarrow", "read_part", "sole_writer", "write_part"]
+__all__ = [
+    "Finished",
+    "check_parts",
+    "drop_refused",
+    "make_schema",
+    "part_paths",
+    "pyarrow",
+    "read_part",
+    "sole_writer",
+    "write_part",
+]
 
 _NAME = re.compile(r"part-([0-9]{6,})-([0-9a-f]{16})\.parquet")
 _HALF = ".part.tmp"  # one writer, so one name; readers of data sets pass over names with a dot in front
@@ -60,17 +70,22 @@ def make_schema(features: Sequence[str], mark: str) -> Any:
 
 def write_part(folder: Path, number: int, rows: Sequence[Row], schema: Any) -> Path:
     """Write rows into a file of their own. The hash of its bytes is in its name."""
+    path = _write_half(folder, number, _make_table(rows, schema))
+    os.replace(folder / _HALF, path)
+    return path
+
+
+def _write_half(folder: Path, number: int, table: Any) -> Path:
+    """Write a table under a name that is passed over, and return the one that it is to get."""
     pa = pyarrow()
     sink = pa.BufferOutputStream()
-    pa.parquet.write_table(_make_table(rows, schema), sink, use_dictionary=False)
+    pa.parquet.write_table(table, sink, use_dictionary=False)
     data = sink.getvalue()
-    path = folder / f"part-{number:06d}-{_digest(data)}.parquet"
     with (folder / _HALF).open("wb") as file:
         file.write(data)
         file.flush()
         os.fsync(file.fileno())
-    os.replace(folder / _HALF, path)
-    return path
+    return folder / f"part-{number:06d}-{_digest(data)}.parquet"
 
 
 def _make_table(rows: Sequence[Row], schema: Any) -> Any:
@@ -143,6 +158,21 @@ def check_parts(folder: Path, mark: str) -> Finished:
         n_refused += len(table) - table["reason"].null_count
         n_rows += len(table)
     return Finished(files, n_rows - n_refused, n_refused, numbers)
+
+
+def drop_refused(folder: Path, mark: str) -> None:
+    """Take the rows of files in which something was refused out of the parts, which have to be sound."""
+    pa = pyarrow()
+    for path in part_paths(folder):
+        table = read_part(path, mark=mark)
+        refused = table["file"].filter(pa.compute.is_valid(table["reason"]))
+        if not len(refused):
+            continue
+        rest = table.filter(pa.compute.invert(pa.compute.is_in(table["file"], value_set=refused)))
+        shorter = _write_half(folder, _number(path), rest) if len(rest) else None
+        path.unlink()  # first: rows that are missing are made anew, rows that are there twice would stay
+        if shorter is not None:
+            os.replace(folder / _HALF, shorter)
 
 
 def _is_sound(path: Path, data: bytes) -> bool:

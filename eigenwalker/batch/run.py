@@ -15,7 +15,15 @@ from tqdm import tqdm
 
 from eigenwalker._validation import WalkError
 from eigenwalker.batch.cluster import workers_of
-from eigenwalker.batch.parts import Finished, check_parts, make_schema, pyarrow, sole_writer, write_part
+from eigenwalker.batch.parts import (
+    Finished,
+    check_parts,
+    drop_refused,
+    make_schema,
+    pyarrow,
+    sole_writer,
+    write_part,
+)
 from eigenwalker.batch.rows import Job, Row, file_of, find_walk, rows_of_files
 from eigenwalker.batch.settings import Settings, check_same, describe_call, read_settings, write_settings
 from eigenwalker.io.formats import read_walk
@@ -60,6 +68,7 @@ def linearize_files(
     n_jobs: int | None = None,
     client: Any = None,
     files_per_part: int = 1000,
+    retry_refused: bool = False,
     progress: bool = False,
     **options: object,
 ) -> LinearizedFiles:
@@ -94,6 +103,9 @@ def linearize_files(
         The cluster whose workers do the work; None leaves it to joblib.
     files_per_part : int, default 1000
         Files whose rows go into one part; so many are done again at most after a crash.
+    retry_refused : bool, default False
+        Whether files of a run before that were refused, or in which a walk was, are read again: they have been mended,
+        or a disk was away.
     progress : bool, default False
         Whether to show a bar on stderr once the job has taken two seconds.
     **options
@@ -159,6 +171,9 @@ def linearize_files(
             settings, items = _begin(folder, call, items)
         check_same(settings, describe_call(*call), folder)
         finished = check_parts(folder, settings.mark)
+        if retry_refused and finished.n_refused:
+            drop_refused(folder, settings.mark)
+            finished = check_parts(folder, settings.mark)
         job = Job(call.read, _options_of(preparer, settings.joints), settings.linearizer)
         total = len(paths) if isinstance(paths, Sized) else None
         bar = tqdm(

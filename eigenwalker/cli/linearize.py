@@ -31,6 +31,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--out", required=True, type=Path, metavar="DIR", help="folder for the table")
     parser.add_argument("--jobs", type=count, metavar="N", help="number of processes (1)")
+    parser.add_argument(
+        "--retry-refused", action="store_true", help="read files again that an earlier run refused, such as mended ones"
+    )
     model = parser.add_argument_group("the table")
     model.add_argument(
         "--representation",
@@ -59,6 +62,7 @@ def run(options: argparse.Namespace) -> None:
         preparer=WalkPreparer(**preparation.options),
         read=partial(_read, reading=reading, preparation=preparation),
         n_jobs=options.jobs,
+        retry_refused=options.retry_refused,
         progress=True,
     )
     print(f"files: {done.n_files}, walks: {done.n_walks}, refused: {done.n_refused}")

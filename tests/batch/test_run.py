@@ -239,27 +239,67 @@ def test_threads_do_not_matter(paths, undisturbed, tmp_path):
     assert _parts(tmp_path / "table") == _parts(undisturbed)
 
 
-def test_killed_at_random_moments_and_begun_again(paths, undisturbed, tmp_path):
-    """The moments are steps of the program, so that files half written are met as often as rows half done."""
+@pytest.fixture(scope="module")
+def run_and_kill():
+    """A function that linearizes files in a process, which is killed after so many steps; it returns exit and steps."""
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(["tests.batch.walk_files"])
-    n_steps = context.Value("q", 0)
 
-    def run(out, limit):
-        process = context.Process(target=linearize_and_die, args=(paths, out, limit, n_steps))
+    def run(paths, out, limit, **options):
+        n_steps = context.Value("q", 0)
+        process = context.Process(target=linearize_and_die, args=(paths, out, limit, n_steps), kwargs=options)
         process.start()
         process.join()
-        return process.exitcode
+        return process.exitcode, n_steps.value
 
-    assert run(tmp_path / "whole", 0) == 0
-    random = np.random.default_rng(0)
-    exits = [run(tmp_path / "table", int(random.integers(1, 2 * n_steps.value // N_KILLS))) for _ in range(N_KILLS)]
+    return run
+
+
+def test_killed_at_random_moments_and_begun_again(run_and_kill, paths, undisturbed, tmp_path):
+    """The moments are steps of the program, so that files half written are met as often as rows half done."""
+    code, n_steps = run_and_kill(paths, tmp_path / "whole", 0)
+    assert code == 0
+    limits = np.random.default_rng(0).integers(1, 2 * n_steps // N_KILLS, size=N_KILLS)
+    exits = [run_and_kill(paths, tmp_path / "table", int(limit))[0] for limit in limits]
     assert exits.count(-signal.SIGKILL) > N_KILLS // 2
     with warnings.catch_warnings():
         warnings.filterwarnings("error", message=".*damaged")
         linearize_in_place(paths, FourierLinearizer(), tmp_path / "table", files_per_part=3)
     assert _parts(tmp_path / "table") == _parts(undisturbed) == _parts(tmp_path / "whole")
     assert not list((tmp_path / "table").glob(".part*"))
+
+
+def test_refused_files_are_read_again_on_request(paths, undisturbed, tmp_path):
+    given = [tmp_path / f"{number:02d}.npz" for number in range(8)]
+    for old, new in zip(paths, given, strict=False):
+        shutil.copy(old, new)
+    given[1].write_bytes(b"PK nothing")
+    done = linearize_in_place(given, FourierLinearizer(), tmp_path / "table", files_per_part=3)
+    assert done[1:] == (8, 5, 3)
+    shutil.copy(paths[1], given[1])
+    assert linearize_in_place(given, FourierLinearizer(), tmp_path / "table", files_per_part=3) == done
+    again = linearize_in_place(given, FourierLinearizer(), tmp_path / "table", files_per_part=3, retry_refused=True)
+    assert again[1:] == (8, 6, 2)
+    table = _table(tmp_path / "table").sort_values("file", ignore_index=True)
+    wanted = _table(undisturbed).set_index("file").loc[[str(path) for path in paths[:8]]].reset_index()
+    assert list(table["file"]) == [str(path) for path in given]
+    pd.testing.assert_frame_equal(table.drop(columns="file"), wanted.drop(columns="file"), check_exact=True)
+
+
+def test_killed_while_refused_files_are_read_again(run_and_kill, paths, undisturbed, tmp_path):
+    shutil.copytree(undisturbed, tmp_path / "whole")
+    code, n_steps = run_and_kill(paths, tmp_path / "whole", 0, retry_refused=True)
+    assert code == 0
+    wanted = _table(undisturbed).sort_values("file", ignore_index=True)
+    shutil.copytree(undisturbed, tmp_path / "table")
+    limits = np.random.default_rng(0).integers(1, n_steps, size=N_KILLS)
+    for limit in limits:
+        assert run_and_kill(paths, tmp_path / "table", int(limit), retry_refused=True)[0] in (-signal.SIGKILL, 0)
+        assert not _table(tmp_path / "table")["file"].duplicated().any()
+    linearize_in_place(paths, FourierLinearizer(), tmp_path / "table", files_per_part=3)
+    for folder in (tmp_path / "whole", tmp_path / "table"):
+        table = _table(folder).sort_values("file", ignore_index=True)
+        pd.testing.assert_frame_equal(table, wanted, check_exact=True)
 
 
 @pytest.mark.parametrize("n_bytes", [0, 100, -1])

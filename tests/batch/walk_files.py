@@ -35,7 +35,7 @@ def write_files(folder, n_files):
     return paths
 
 
-def linearize_and_die(paths, out, limit, counted):
+def linearize_and_die(paths, out, limit, counted, retry_refused=False):
     """Linearize files, and be killed after so many steps: files that are opened, renamed, imported and so on.
 
     How many steps there were is left in `counted` if the end is reached.
@@ -49,5 +49,5 @@ def linearize_and_die(paths, out, limit, counted):
             os.kill(os.getpid(), signal.SIGKILL)
 
     sys.addaudithook(step)
-    linearize_files(paths, FourierLinearizer(), out, preparer="passthrough", files_per_part=3)
+    linearize_files(paths, FourierLinearizer(), out, preparer="passthrough", files_per_part=3, retry_refused=retry_refused)
     counted.value = n_steps
