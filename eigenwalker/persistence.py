@@ -2,16 +2,13 @@
 
 import io
 import json
-import os
 import platform
 import tomllib
-import uuid
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from shutil import copymode
 from typing import Any
 from zipfile import ZIP_STORED, ZipFile
 
@@ -20,6 +17,7 @@ import sklearn
 from sklearn.base import BaseEstimator
 from sklearn.exceptions import InconsistentVersionWarning
 
+from eigenwalker._whole_files import write_whole
 from eigenwalker.hsmm import GaitHSMM, StyleClassifier
 from eigenwalker.hsmm.context_trees import ContextTree, Question, Split
 from eigenwalker.model import BlockScaler, FourierLinearizer, TraitClassifier, TraitRegressor
@@ -74,7 +72,7 @@ def save_model(model: BaseEstimator, path: str | Path) -> None:
         raise TypeError(f"cannot save the model: {error}") from None
     if foreign:
         raise TypeError(f"cannot save the model: load_model would refuse its {', '.join(sorted(foreign))}")
-    _write(data, Path(path).resolve())  # a link keeps its place
+    write_whole(Path(path).resolve(), data)  # a link keeps its place
 
 
 def load_model(path: str | Path) -> BaseEstimator:
@@ -208,20 +206,6 @@ def _tidy(part: dict[str, Any]) -> dict[str, Any]:
         entries = zip(part["content"].items(), kinds, strict=True)
         part["content"] = {"" if (key, kind) == ("false", "bool") else key: value for (key, value), kind in entries}
     return part
-
-
-def _write(data: bytes, path: Path) -> None:
-    part = path.with_name(f"model.{uuid.uuid4().hex}.part")
-    try:
-        with part.open("xb") as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
-        if path.exists():
-            copymode(path, part)
-        os.replace(part, path)
-    finally:
-        part.unlink(missing_ok=True)
 
 
 def _read(path: Path) -> bytes:

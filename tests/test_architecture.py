@@ -14,15 +14,19 @@ PACKAGE = Path(__file__).parents[1] / "eigenwalker"
 ALLOWED = {
     "_validation": set(),
     "_collect": {"_validation"},
+    "_whole_files": set(),
     "motion": {"_validation", "_collect"},
     "io": {"_validation", "_collect", "motion"},
     "datasets": {"_validation", "_collect", "motion", "io"},
     "model": {"_validation", "_collect", "motion"},
     "hsmm": {"_validation", "_collect", "motion"},
-    "persistence": {"_validation", "_collect", "motion", "io", "datasets", "model", "hsmm"},
+    "persistence": {"_validation", "_collect", "_whole_files", "motion", "io", "datasets", "model", "hsmm"},
     "batch": {"_validation", "_collect", "motion", "io", "datasets", "model", "hsmm", "persistence"},
-    "display": {"_validation", "_collect", "motion", "io", "datasets", "model", "hsmm", "persistence"},
-    "experiment": {"_validation", "_collect", "motion", "io", "datasets", "model", "hsmm", "persistence", "display"},
+    "display": {"_validation", "_collect", "_whole_files", "motion", "io", "datasets", "model", "hsmm", "persistence"},
+    "experiment": {
+        *("_validation", "_collect", "_whole_files", "motion", "io", "datasets", "model", "hsmm", "persistence"),
+        "display",
+    },
     "cli": {
         *("_validation", "_collect", "motion", "io", "datasets", "model", "hsmm", "persistence", "batch", "display"),
         "experiment",

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from eigenwalker._validation import check_choice
+from eigenwalker._whole_files import whole_file
 from eigenwalker.display._ffmpeg import LUMA, encode_mp4, find_ffmpeg
 from eigenwalker.display._numbers import check_number
 from eigenwalker.display.capsules import draw_capsules
@@ -97,12 +98,8 @@ def write_figure_movie(
     rate = _RATE if rate is None else check_number(rate, "rate", above=0, unit="frames per second")
     times = frame_times(display.duration if duration is None else duration, rate)
     pictures = _pictures(display, times, screen, scale, grays=LUMA)
-    part = target.with_name(f"movie.{os.urandom(16).hex()}.part")
-    try:
+    with whole_file(target) as part:
         encode_mp4(pictures, part, rate=Fraction(rate).limit_denominator(1001), size=screen.size)
-        os.replace(part, target)
-    finally:
-        part.unlink(missing_ok=True)
     return Movie(target, times, np.full(len(times), 1 / rate))
 
 

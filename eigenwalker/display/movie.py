@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-import uuid
 from collections.abc import Iterable, Iterator
 from fractions import Fraction
 from pathlib import Path
@@ -14,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from eigenwalker._validation import check_choice
+from eigenwalker._whole_files import whole_file
 from eigenwalker.display._ffmpeg import LUMA, encode_mp4, find_ffmpeg
 from eigenwalker.display._numbers import check_number
 from eigenwalker.display.discs import draw_discs
@@ -116,16 +116,12 @@ def write_movie(
     """
     screen = Screen() if screen is None else screen
     movie = plan_movie(display, path, duration=duration, rate=rate, screen=screen)
-    part = movie.path.with_name(f"movie.{uuid.uuid4().hex}.part")
-    try:
+    with whole_file(movie.path) as part:
         if movie.path.suffix.lower() == ".gif":
             _encode_gif(_pictures(display, movie.times, screen), part, movie.delays)
         else:
             pictures = _pictures(display, movie.times, screen, grays=LUMA)
             encode_mp4(pictures, part, rate=Fraction(movie.rate).limit_denominator(1001), size=screen.size)
-        os.replace(part, movie.path)
-    finally:
-        part.unlink(missing_ok=True)
     return movie
 
 

@@ -32,7 +32,7 @@ def take_controls(control: ArrayLike | None, n_walks: int, traits: list[str]) ->
 
 def tabulate_controls(control: ArrayLike, n_walks: int, traits: list[str]) -> pd.DataFrame:
     """Return control variables as they are, one column each; see `take_controls` for the errors."""
-    table = tabulate(control)
+    table = tabulate(control, name="control")
     if getattr(control, "columns", getattr(control, "name", None)) is None:  # no names of its own
         table.columns = [str(name).replace("trait", "control") for name in table]
     names = list(table)

@@ -30,7 +30,7 @@ class Coding(NamedTuple):
     two_valued: bool
 
 
-def tabulate(y: object, poles: Poles | None = None) -> pd.DataFrame:
+def tabulate(y: object, poles: Poles | None = None, *, name: str = "y") -> pd.DataFrame:
     """Return labels as a DataFrame with one column a trait.
 
     Parameters
@@ -40,15 +40,26 @@ def tabulate(y: object, poles: Poles | None = None) -> pd.DataFrame:
         numbers agree, else "trait", or "trait_0", "trait_1" ...
     poles : mapping of str to pair, default None
         Words for the ends of the traits.
+    name : str, default "y"
+        What `y` is called in errors.
+
+    Raises
+    ------
+    ValueError
+        If `y` has another shape, or two columns have one name.
     """
     if isinstance(y, pd.DataFrame):
-        return y.reset_index(drop=True).rename(columns=str)
+        table = y.reset_index(drop=True).rename(columns=str)
+        if not table.columns.is_unique:
+            twice = ", ".join(map(repr, table.columns[table.columns.duplicated()].unique()))
+            raise ValueError(f"{name} must have columns with different names, got {twice} more than once")
+        return table
     if isinstance(y, pd.Series):
-        name = str(y.name) if y.name is not None else default_names(1, poles)[0]
-        return y.reset_index(drop=True).to_frame(name)
+        column = str(y.name) if y.name is not None else default_names(1, poles)[0]
+        return y.reset_index(drop=True).to_frame(column)
     array = np.asarray(y) if not isinstance(y, np.ndarray) else y
     if array.ndim not in (1, 2):
-        raise ValueError(f"y must have shape (n_walkers,) or (n_walkers, n_traits), got {array.shape}")
+        raise ValueError(f"{name} must have shape (n_walkers,) or (n_walkers, n_traits), got {array.shape}")
     columns = array[:, np.newaxis] if array.ndim == 1 else array
     return pd.DataFrame(columns, columns=default_names(columns.shape[1], poles))
 

@@ -49,5 +49,7 @@ def linearize_and_die(paths, out, limit, counted, retry_refused=False):
             os.kill(os.getpid(), signal.SIGKILL)
 
     sys.addaudithook(step)
-    linearize_files(paths, FourierLinearizer(), out, preparer="passthrough", files_per_part=3, retry_refused=retry_refused)
+    linearize_files(
+        paths, FourierLinearizer(), out, preparer="passthrough", files_per_part=3, retry_refused=retry_refused
+    )
     counted.value = n_steps

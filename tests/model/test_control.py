@@ -99,6 +99,7 @@ def test_missing_labels_and_classifiers(people):
     ("control", "message"),
     [
         (np.arange(39), "one row a walk, 40, got 39"),
+        (np.zeros((40, 1, 1)), "control must have shape"),
         (pd.Series([None] + [1.0] * 39, name="age"), "no missing values, got 1 of 40 walks with one among age"),
         (pd.DataFrame({"weight": np.arange(40.0)}), "cannot be controlled for itself, got weight"),
         (np.random.default_rng(0).normal(size=(40, 12)), "more components than the 12 control"),

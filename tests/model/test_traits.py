@@ -137,6 +137,11 @@ def test_words_may_be_missing(data):
         (np.arange(60.0), {"alpha_unit": "metres"}, "alpha_unit must be one of 'sd', 'label', 'coefficient', got"),
         (np.arange(60.0), {"direction": "north"}, "direction must be one of"),
         (np.arange(59.0), {}, "inconsistent numbers of samples"),
+        (
+            pd.DataFrame(np.eye(60, 2), columns=["mood", "mood"]),
+            {},
+            "y must have columns with different names, got 'mood' more than once",
+        ),
     ],
 )
 def test_wrong_labels_and_parameters_are_refused(data, labels, options, message):

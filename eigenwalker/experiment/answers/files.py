@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import pandas as pd
 
 from eigenwalker._validation import WalkError
+from eigenwalker._whole_files import write_whole
 from eigenwalker.experiment.answer_columns import ANSWER_COLUMNS
 from eigenwalker.experiment.answers.cells import NAMES
 from eigenwalker.experiment.answers.jatos_results import (
@@ -23,7 +24,6 @@ from eigenwalker.experiment.answers.jatos_results import (
 )
 from eigenwalker.experiment.answers.psych_ds import DATA, RAW, data_file_name, write_description
 from eigenwalker.experiment.answers.rows import AnswerRow, Faults, make_answers, quoted
-from eigenwalker.experiment.whole_files import write_whole
 from eigenwalker.io._text import CUT, decode_lines, join_numbers
 
 if TYPE_CHECKING:

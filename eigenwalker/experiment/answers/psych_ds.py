@@ -17,8 +17,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from eigenwalker._validation import WalkError
+from eigenwalker._whole_files import write_whole
 from eigenwalker.experiment.answer_columns import ANSWER_COLUMNS, Column
-from eigenwalker.experiment.whole_files import write_whole
 from eigenwalker.io._text import decode_lines
 
 if TYPE_CHECKING:

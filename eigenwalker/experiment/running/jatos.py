@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-from eigenwalker.experiment.whole_files import whole_file
+from eigenwalker._whole_files import whole_file
 
 __all__ = ["write_jzip"]
 

@@ -15,12 +15,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from eigenwalker._whole_files import write_whole
 from eigenwalker.display._numbers import check_number
 from eigenwalker.display.screen import Screen
 from eigenwalker.experiment.running.study_movies import Shown, write_stimuli
 from eigenwalker.experiment.study import Study
 from eigenwalker.experiment.tasks import Task
-from eigenwalker.experiment.whole_files import write_whole
 
 __all__ = ["write_psychopy"]
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from eigenwalker._validation import check_choice
+from eigenwalker._whole_files import write_whole
 from eigenwalker.experiment.answers.psych_ds import write_description
 from eigenwalker.experiment.design_table import design_from_values
 from eigenwalker.experiment.running.jatos import write_jzip
@@ -20,7 +21,6 @@ from eigenwalker.experiment.stimulus import Stimulus
 from eigenwalker.experiment.study import Study, make_study
 from eigenwalker.experiment.study_words import stimulus_from_words, task_from_words
 from eigenwalker.experiment.tasks import Task
-from eigenwalker.experiment.whole_files import write_whole
 from eigenwalker.motion.walk import JointWalk, Walk
 
 __all__ = ["FORMATS", "build_study", "read_study"]

@@ -12,6 +12,7 @@ import numpy as np
 
 from eigenwalker._collect import collect, report_refusals
 from eigenwalker._validation import WalkError
+from eigenwalker._whole_files import whole_file
 from eigenwalker.display.dots import walker_dots
 from eigenwalker.display.figure_movie import write_figure_movie
 from eigenwalker.display.figures import FigureDisplay
@@ -22,7 +23,6 @@ from eigenwalker.display.stimuli import PointLightDisplay
 from eigenwalker.experiment.running.shown_motion import shown_markers, shown_motion
 from eigenwalker.experiment.showing import Showing
 from eigenwalker.experiment.stimulus import Stimulus
-from eigenwalker.experiment.whole_files import whole_file
 
 __all__ = ["Shown", "write_stimuli"]
 

@@ -5,16 +5,22 @@ import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from shutil import copymode
 
 __all__ = ["whole_file", "write_whole"]
 
 
 @contextmanager
 def whole_file(path: Path) -> Iterator[Path]:
-    """Give the path of a file to write, which becomes `path` at the end, and is gone if an error comes first."""
+    """Give the path of a file to write, which becomes `path` at the end, and is gone if an error comes first.
+
+    A file that was there before stays until then, and hands on who may read and write it.
+    """
     part = path.with_name(f"file.{uuid.uuid4().hex}.part")
     try:
         yield part
+        if path.exists():
+            copymode(path, part)
         os.replace(part, path)
     finally:
         part.unlink(missing_ok=True)

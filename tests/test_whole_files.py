@@ -2,7 +2,7 @@
 
 import pytest
 
-from eigenwalker.experiment.whole_files import whole_file, write_whole
+from eigenwalker._whole_files import whole_file, write_whole
 
 
 def test_a_file_is_written(tmp_path):
@@ -22,3 +22,10 @@ def test_an_error_leaves_what_was(tmp_path):
     with pytest.raises(KeyError):
         fail()
     assert [(path.name, path.read_bytes()) for path in tmp_path.iterdir()] == [("a.csv", b"old")]
+
+
+def test_a_file_that_is_replaced_hands_on_who_may_read_it(tmp_path):
+    (tmp_path / "a.csv").write_bytes(b"old")
+    (tmp_path / "a.csv").chmod(0o600)
+    write_whole(tmp_path / "a.csv", b"new")
+    assert (tmp_path / "a.csv").stat().st_mode & 0o777 == 0o600
