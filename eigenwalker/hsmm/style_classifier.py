@@ -124,6 +124,22 @@ class StyleClassifier(ClassifierMixin, BaseEstimator):
         walks = check_walks(X, kind=JointWalk)
         return np.array([[style.score([walk]) for style in self.styles_] for walk in walks])
 
+    def decision_function(self, X: Sequence[JointWalk]) -> NDArray[np.float64]:
+        """Return what scores such as "roc_auc" go by.
+
+        Parameters
+        ----------
+        X : list of JointWalk
+            Walks.
+
+        Returns
+        -------
+        ndarray of shape (n_walks,) or (n_walks, n_styles)
+            Of two styles how much more likely the second is, of more styles `log_likelihoods`; nats per frame.
+        """
+        likelihoods = self.log_likelihoods(X)
+        return likelihoods[:, 1] - likelihoods[:, 0] if len(self.classes_) == 2 else likelihoods
+
     def predict(self, X: Sequence[JointWalk]) -> NDArray[Any]:
         """Return the style of each walk, shape (n_walks,).
 

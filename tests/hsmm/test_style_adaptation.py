@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from sklearn.base import clone
+from sklearn.metrics import get_scorer
 
 from eigenwalker.hsmm import GaitHSMM, StyleClassifier, blend, make_labels
 from eigenwalker.hsmm.gait_generation import moments_in_channels
@@ -161,7 +162,10 @@ def test_styles_are_told_apart(bent):
     assert classifier.classes_.tolist() == ["bent", "plain"]
     assert classifier.predict([bent[4], shaken_walks(1, first=70)[0]]).tolist() == ["bent", "plain"]
     assert classifier.score(bent[3:], ["bent"] * 2) == 1.0
-    assert classifier.log_likelihoods(bent[3:]).shape == (2, 2)
+    likelihoods = classifier.log_likelihoods(bent[3:])
+    assert likelihoods.shape == (2, 2)
+    np.testing.assert_array_equal(classifier.decision_function(bent[3:]), likelihoods[:, 1] - likelihoods[:, 0])
+    assert get_scorer("roc_auc")(classifier, walks, styles) == 1.0
     assert clone(classifier).get_params()["method"] == "csmaplr+map"
 
 
