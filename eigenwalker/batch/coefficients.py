@@ -50,7 +50,7 @@ def iterate_coefficients(
         raise ValueError(f"batch_rows must be a whole number of at least 1, got {batch_rows!r}")
     settings = _settings(folder)
     chosen = _check_columns(settings, columns)
-    return (table.to_pandas() for table in _batches(_used(Path(folder), settings, chosen), batch_rows))
+    return (table.to_pandas(use_threads=False) for table in _batches(_used(Path(folder), settings, chosen), batch_rows))
 
 
 def read_coefficients(folder: str | PathLike[str], *, columns: Sequence[str] | None = None) -> pd.DataFrame:
@@ -86,7 +86,8 @@ def read_coefficients(folder: str | PathLike[str], *, columns: Sequence[str] | N
     pa = pyarrow()
     schema = make_schema(_features(settings), settings.mark)
     empty = pa.schema([schema.field(name) for name in chosen]).empty_table()
-    return pa.concat_tables([empty, *_used(Path(folder), settings, chosen)]).to_pandas()
+    table = pa.concat_tables([empty, *_used(Path(folder), settings, chosen)])
+    return table.to_pandas(use_threads=False)
 
 
 def refused_files(folder: str | PathLike[str]) -> pd.DataFrame:
@@ -107,7 +108,9 @@ def refused_files(folder: str | PathLike[str]) -> pd.DataFrame:
     empty = pa.schema([(name, pa.string()) for name in names]).empty_table()
     parts = (read_part(path, mark=settings.mark, columns=names) for path in part_paths(Path(folder)))
     found = [part.filter(pa.compute.is_valid(part["reason"])) for part in parts]
-    return pa.concat_tables([empty, *(part.replace_schema_metadata(None) for part in found)]).to_pandas()
+    return pa.concat_tables([empty, *(part.replace_schema_metadata(None) for part in found)]).to_pandas(
+        use_threads=False
+    )
 
 
 def read_linearizer(folder: str | PathLike[str]) -> FourierLinearizer:

@@ -4,7 +4,7 @@ import hashlib
 import os
 import re
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -16,7 +16,7 @@ from eigenwalker.batch.rows import QUALITY, Row
 __all__ = [
     "Finished",
     "check_parts",
-    "drop_refused",
+    "drop_files",
     "make_schema",
     "part_paths",
     "pyarrow",
@@ -38,6 +38,8 @@ class Finished(NamedTuple):
     ----------
     files : set of str
         The files with rows.
+    refused : dict of str to int
+        The files with a refusal, and the number of the part with their rows.
     n_walks, n_refused : int
         Number of rows with features, and without.
     numbers : set of int
@@ -45,6 +47,7 @@ class Finished(NamedTuple):
     """
 
     files: set[str]
+    refused: dict[str, int]
     n_walks: int
     n_refused: int
     numbers: set[int]
@@ -131,7 +134,7 @@ def read_part(path: Path, *, mark: str, columns: Sequence[str] | None = None) ->
             f"{path}: the file is damaged, it is not as it was written; call linearize_files again with the same "
             "files, which makes its rows anew"
         )
-    table = pa.parquet.read_table(pa.BufferReader(data), columns=columns)
+    table = pa.parquet.read_table(pa.BufferReader(data), columns=columns, use_threads=False)
     if (table.schema.metadata or {}).get(_MARK) != mark.encode():
         raise ValueError(f"{path}: expected a part with the settings of this data set, got one of another; take it out")
     return table
@@ -145,8 +148,9 @@ def check_parts(folder: Path, mark: str) -> Finished:
     UserWarning
         For each part that was damaged.
     """
+    pa = pyarrow()
     (folder / _HALF).unlink(missing_ok=True)
-    files, numbers, n_refused, n_rows = set(), set(), 0, 0
+    files, refused, numbers, n_refused, n_rows = set(), {}, set(), 0, 0
     for path in part_paths(folder):
         if not _is_sound(path, path.read_bytes()):
             warnings.warn(f"{path}: the file was damaged and is deleted; its rows are made anew", stacklevel=3)
@@ -155,24 +159,29 @@ def check_parts(folder: Path, mark: str) -> Finished:
         table = read_part(path, mark=mark, columns=["file", "reason"])
         files.update(table["file"].to_pylist())
         numbers.add(_number(path))
-        n_refused += len(table) - table["reason"].null_count
+        without = table["file"].filter(pa.compute.is_valid(table["reason"]))
+        refused.update(dict.fromkeys(without.to_pylist(), _number(path)))
+        n_refused += len(without)
         n_rows += len(table)
-    return Finished(files, n_rows - n_refused, n_refused, numbers)
+    return Finished(files, refused, n_rows - n_refused, n_refused, numbers)
 
 
-def drop_refused(folder: Path, mark: str) -> None:
-    """Take the rows of files in which something was refused out of the parts, which have to be sound."""
+def drop_files(folder: Path, mark: str, files: Mapping[str, int]) -> tuple[int, int]:
+    """Take the rows of files out of the parts with these numbers; return how many had features, and how many not."""
     pa = pyarrow()
-    for path in part_paths(folder):
-        table = read_part(path, mark=mark)
-        refused = table["file"].filter(pa.compute.is_valid(table["reason"]))
-        if not len(refused):
-            continue
-        rest = table.filter(pa.compute.invert(pa.compute.is_in(table["file"], value_set=refused)))
-        shorter = _write_half(folder, _number(path), rest) if len(rest) else None
-        path.unlink()  # first: rows that are missing are made anew, rows that are there twice would stay
+    paths = {_number(path): path for path in part_paths(folder)}
+    n_walks = n_refused = 0
+    for number in sorted(set(files.values())):
+        table = read_part(paths[number], mark=mark)
+        is_dropped = pa.compute.is_in(table["file"], value_set=pa.array(list(files), pa.string()))
+        dropped, rest = table.filter(is_dropped), table.filter(pa.compute.invert(is_dropped))
+        n_walks += dropped["reason"].null_count
+        n_refused += len(dropped) - dropped["reason"].null_count
+        shorter = _write_half(folder, number, rest) if len(rest) else None
+        paths[number].unlink()  # first: rows that are missing are made anew, rows that are there twice would stay
         if shorter is not None:
             os.replace(folder / _HALF, shorter)
+    return n_walks, n_refused
 
 
 def _is_sound(path: Path, data: bytes) -> bool:

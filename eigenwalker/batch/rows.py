@@ -6,6 +6,7 @@ import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from numbers import Number
 from os import PathLike, fspath, getcwd, getpid
 from typing import Any, NamedTuple
 
@@ -85,8 +86,25 @@ class Job:
 
 
 def file_of(item: object) -> str:
-    """Return what an item is called in the table: a path as it is, anything else as text."""
-    return fspath(item) if isinstance(item, (str, PathLike)) else str(item)
+    """Return what an item is called in the table: a path as it is, numbers and tuples as text.
+
+    Raises
+    ------
+    TypeError
+        If it is something else, of which the text may be that of other items as well.
+    """
+    if isinstance(item, (str, PathLike)):
+        return fspath(item)
+    if not _has_text(item):
+        raise TypeError(
+            f"paths must hold paths, numbers or tuples of these, got {type(item).__name__}; give a name or a number "
+            "to each walk, and let read make it from that"
+        )
+    return str(item)
+
+
+def _has_text(item: object) -> bool:
+    return all(map(_has_text, item)) if type(item) is tuple else isinstance(item, (str, PathLike, Number))
 
 
 def rows_of_files(job: Job, items: Iterable[object]) -> list[list[Row]]:
@@ -113,6 +131,9 @@ def find_walk(job: Job, item: object) -> tuple[Walk | JointWalk | None, str | No
             except (ValueError, OSError) as error:
                 reason = reason or _reason(error)
                 continue
+            except Exception as error:
+                _name_file(error, file_of(item))
+                raise
             try:
                 if walk is not None:
                     clone(job.linearizer).fit([walk]).transform([walk])
@@ -145,8 +166,12 @@ def _next_row(job: Job, file: str, walks: Iterator[Walk | JointWalk]) -> Row | N
     except (ValueError, OSError) as error:  # a WalkError is a ValueError
         return Row(file, name, _reason(error))
     except Exception as error:
-        error.add_note(f"while {file} was read, prepared and linearized")
+        _name_file(error, file)
         raise
+
+
+def _name_file(error: Exception, file: str) -> None:
+    error.add_note(f"while {file} was read, prepared and linearized")
 
 
 def _reason(error: Exception) -> str:
@@ -156,6 +181,8 @@ def _reason(error: Exception) -> str:
 def _recorded(job: Job, item: object) -> Iterator[Walk | JointWalk]:
     """Yield the walks in a file. A generator, so that nothing comes after an error."""
     found = job.read(item)
+    if not isinstance(found, (*_KINDS, Iterable)):
+        raise TypeError(f"read must return a walk or an iterable of walks, got {type(found).__name__}")
     for walk in [found] if isinstance(found, _KINDS) else found:
         if not isinstance(walk, _KINDS):
             raise TypeError(f"read must return a walk or an iterable of walks, got {type(walk).__name__} in it")

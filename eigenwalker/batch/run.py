@@ -2,7 +2,7 @@
 
 import sys
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Sequence, Sized
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Sized
 from functools import partial
 from itertools import chain, count, islice
 from os import PathLike
@@ -18,7 +18,7 @@ from eigenwalker.batch.cluster import workers_of
 from eigenwalker.batch.parts import (
     Finished,
     check_parts,
-    drop_refused,
+    drop_files,
     make_schema,
     pyarrow,
     sole_writer,
@@ -81,8 +81,8 @@ def linearize_files(
     Parameters
     ----------
     paths : iterable of str or path
-        The files; a generator is read as the work goes on. With `read`, anything that it takes and that has a text of
-        its own, such as numbers to make walks from. What comes twice is done once.
+        The files; a generator is read as the work goes on. With `read`, also numbers to make walks from, or tuples of
+        paths and numbers. What comes twice is done once; two spellings of one path are two files.
     linearizer : FourierLinearizer
         If it is fitted, all walks must have the channels of its template; if not, those of the first usable walk. It
         is not changed; `read_linearizer` returns the one that was used.
@@ -93,7 +93,8 @@ def linearize_files(
         prepared. Which joints have channels, it knows from its `fit`, from its `joints`, or else from the first usable
         walk.
     read : callable, default read_walk
-        Takes one of `paths`, and returns a walk or an iterable of walks, which then are in memory one at a time. Not a
+        Takes one of `paths`, and returns a walk or an iterable of walks, which then are in memory one at a time. It is
+        known by its module and name: that a later call has the same code under them is for the caller to see to. Not a
         lambda, by whose name settings could not be told apart.
     n_jobs : int, default None
         Number of processes, as in joblib: None is one, -1 is all processors. The data set is the same. Inside
@@ -102,10 +103,11 @@ def linearize_files(
     client : distributed.Client, default None
         The cluster whose workers do the work; None leaves it to joblib.
     files_per_part : int, default 1000
-        Files whose rows go into one part; so many are done again at most after a crash.
+        Files whose rows go into one part; so many are done again at most after a crash. After Ctrl-C and after errors
+        what has been done is kept.
     retry_refused : bool, default False
-        Whether files of a run before that were refused, or in which a walk was, are read again: they have been mended,
-        or a disk was away.
+        Whether those of `paths` that a run before has refused, or in which it has refused a walk, are read again: they
+        have been mended, or a disk was away. Their new rows replace the old ones.
     progress : bool, default False
         Whether to show a bar on stderr once the job has taken two seconds.
     **options
@@ -121,7 +123,8 @@ def linearize_files(
     ImportError
         If pyarrow is not installed.
     TypeError
-        If `linearizer`, `preparer`, `read` or `client` are of another kind, or `paths` is a single path.
+        If `linearizer`, `preparer`, `read` or `client` are of another kind, or `paths` is a single path or holds other
+        things.
     ValueError
         If there are no paths, if the folder holds something else, was written with other settings or is being written
         to by another process, or if no walk is usable and `linearizer` is not fitted.
@@ -161,7 +164,8 @@ def linearize_files(
     """
     pyarrow()
     preparer = _check_kinds(linearizer, preparer, read, files_per_part)
-    items, folder = _check_paths(paths), Path(out)
+    folder = Path(out).absolute()  # whatever folder a generator of paths changes to
+    items = _check_paths(paths)
     call = _Call(linearizer, preparer, partial(read, **options) if options else read)
     folder.mkdir(parents=True, exist_ok=True)
     read_settings(folder)  # refuses a folder with other things in it, before anything is written
@@ -171,19 +175,15 @@ def linearize_files(
             settings, items = _begin(folder, call, items)
         check_same(settings, describe_call(*call), folder)
         finished = check_parts(folder, settings.mark)
-        if retry_refused and finished.n_refused:
-            drop_refused(folder, settings.mark)
-            finished = check_parts(folder, settings.mark)
+        again = finished.refused if retry_refused else {}
         job = Job(call.read, _options_of(preparer, settings.joints), settings.linearizer)
+        todo = _Todo(items, finished.files, set(again))
         total = len(paths) if isinstance(paths, Sized) else None
-        bar = tqdm(
-            total=total, initial=len(finished.files), desc="linearize", delay=2, disable=not progress, file=sys.stderr
-        )
-        with bar:
+        with tqdm(total=total, desc="linearize", delay=2, disable=not progress, file=sys.stderr) as bar:
             task = _TASK if total is None else min(_TASK, 1 + total // _TASKS)
-            rows = _rows_of_all(job, _unfinished(items, finished.files), task, n_jobs)
-            done = _write(folder, _counted(rows, bar), finished, settings, files_per_part)
-    return _report(folder, finished, done)
+            rows = _rows_of_all(job, todo, task, n_jobs)
+            done = _write(folder, _counted(rows, bar, todo), finished, again, settings, files_per_part)
+    return _report(Path(out), finished, done)
 
 
 class _Call(NamedTuple):
@@ -195,9 +195,12 @@ class _Call(NamedTuple):
 
 
 class _Counts(NamedTuple):
-    n_files: int
+    """What a run has added: rows with features and without, less those that they replace."""
+
     n_walks: int
     n_refused: int
+    n_walks_replaced: int
+    n_refused_replaced: int
     reason: str  # of the first refusal
 
 
@@ -265,44 +268,82 @@ def _options_of(preparer: WalkPreparer | None, joints: Sequence[str] | None) -> 
     return options | {"joints": joints} if options["representation"] == "joints" else options
 
 
-def _unfinished(items: Iterator[Any], files: set[str]) -> Iterator[Any]:
-    """Yield the items that are not among `files`, and add them."""
-    for item in items:
-        if (file := file_of(item)) not in files:
-            files.add(file)
+class _Todo:
+    """The items that have no rows yet, or are to be read again; what comes twice is passed over."""
+
+    def __init__(self, items: Iterator[Any], files: set[str], again: set[str]) -> None:
+        self._items = items
+        self._files = files
+        self._again = again
+        self.n_passed = 0
+        """Items that were passed over so far."""
+
+    def __iter__(self) -> Iterator[Any]:
+        for item in self._items:
+            file = file_of(item)
+            if file in self._files and file not in self._again:
+                self.n_passed += 1
+                continue
+            self._files.add(file)
+            self._again.discard(file)
             yield item
 
 
-def _rows_of_all(job: Job, items: Iterator[Any], n_a_task: int, n_jobs: int | None) -> Iterator[list[Row]]:
+def _rows_of_all(job: Job, todo: Iterable[Any], n_a_task: int, n_jobs: int | None) -> Iterator[list[Row]]:
     """Yield the rows of each file, in order."""
+    items = iter(todo)
     tasks = iter(lambda: list(islice(items, n_a_task)), [])
     workers = Parallel(n_jobs=n_jobs, return_as="generator", batch_size=1, pre_dispatch="3*n_jobs")
     return chain.from_iterable(workers(delayed(rows_of_files)(job, task) for task in tasks))
 
 
-def _counted(rows: Iterator[list[Row]], bar: tqdm) -> Iterator[list[Row]]:
+def _counted(rows: Iterator[list[Row]], bar: tqdm, todo: _Todo) -> Iterator[list[Row]]:
+    n_passed = 0
     for one in rows:
         yield one
-        bar.update()
+        bar.update(1 + todo.n_passed - n_passed)
+        n_passed = todo.n_passed
+    bar.update(todo.n_passed - n_passed)
 
 
 def _write(
-    folder: Path, files: Iterable[list[Row]], finished: Finished, settings: Settings, files_per_part: int
+    folder: Path,
+    files: Iterator[list[Row]],
+    finished: Finished,
+    again: Mapping[str, int],
+    settings: Settings,
+    files_per_part: int,
 ) -> _Counts:
-    """Write the rows part by part, into the numbers that are free, and count them."""
+    """Write the rows part by part, into the numbers that are free, and count them; rows made again replace the old."""
     schema = make_schema(list(settings.linearizer.get_feature_names_out()), settings.mark)
     numbers = (number for number in count() if number not in finished.numbers)
-    n_files = n_walks = n_refused = 0
-    reason = ""
-    files = iter(files)
-    while part := list(islice(files, files_per_part)):
+    n_walks = n_refused = n_walks_replaced = n_refused_replaced = 0
+    reason, error = "", None
+    while error is None:
+        part, error = _take(files, files_per_part)
+        if not part:
+            break
         rows = [row for rows in part for row in rows]
+        old = {row.file: again[row.file] for row in rows if row.file in again}
+        replaced = drop_files(folder, settings.mark, old) if old else (0, 0)
         write_part(folder, next(numbers), rows, schema)
         refused = [row for row in rows if row.reason is not None]
-        n_files, n_refused = n_files + len(part), n_refused + len(refused)
-        n_walks += len(rows) - len(refused)
+        n_walks, n_refused = n_walks + len(rows) - len(refused), n_refused + len(refused)
+        n_walks_replaced, n_refused_replaced = n_walks_replaced + replaced[0], n_refused_replaced + replaced[1]
         reason = reason or next((f"{row.file}: {row.reason}" for row in refused), "")
-    return _Counts(n_files, n_walks, n_refused, reason)
+    if error is not None:
+        raise error
+    return _Counts(n_walks, n_refused, n_walks_replaced, n_refused_replaced, reason)
+
+
+def _take(files: Iterator[list[Row]], n_files: int) -> tuple[list[list[Row]], BaseException | None]:
+    """Return the rows of the next files, and what ended them too early, such as Ctrl-C: what has been done is kept."""
+    part: list[list[Row]] = []
+    try:
+        part.extend(islice(files, n_files))
+    except BaseException as error:
+        return part, error
+    return part, None
 
 
 def _report(folder: Path, finished: Finished, done: _Counts) -> LinearizedFiles:
@@ -312,5 +353,6 @@ def _report(folder: Path, finished: Finished, done: _Counts) -> LinearizedFiles:
             f"refused_files({str(folder)!r}) says why, of the first: {done.reason}",
             stacklevel=3,
         )
-    n_walks, n_refused = finished.n_walks + done.n_walks, finished.n_refused + done.n_refused
+    n_walks = finished.n_walks + done.n_walks - done.n_walks_replaced
+    n_refused = finished.n_refused + done.n_refused - done.n_refused_replaced
     return LinearizedFiles(folder, len(finished.files), n_walks, n_refused)

@@ -118,11 +118,8 @@ def check_same(settings: Settings, described: Mapping[str, Mapping[str, Any]], f
         first = settings.described[section]
         # Of walks only what fitted estimators know is settled.
         names = given if section == "walks" else {**first, **given}
-        faults += [
-            f"\n  {section}, {name}: {_short(first.get(name))} in the first run, {_short(given.get(name))} now"
-            for name in names
-            if json.dumps(first.get(name)) != json.dumps(given.get(name))  # in which NaN is NaN
-        ]
+        for name in names:
+            faults += _differences(f"{section}, {name}", first.get(name), given.get(name))
     if faults:
         raise ValueError(
             f"{folder}: expected the settings with which its first rows were made, got others; choose another folder, "
@@ -130,8 +127,20 @@ def check_same(settings: Settings, described: Mapping[str, Mapping[str, Any]], f
         )
 
 
+def _differences(what: str, first: Any, given: Any) -> list[str]:
+    """Return a line for each value that differs, of mappings each of theirs."""
+    if json.dumps(first) == json.dumps(given):  # in which NaN is NaN
+        return []
+    if isinstance(first, Mapping) and isinstance(given, Mapping):
+        names = {**first, **given}
+        return [line for name in names for line in _differences(f"{what}, {name}", first.get(name), given.get(name))]
+    return [f"\n  {what}: {_short(first)} in the first run, {_short(given)} now"]
+
+
 def _short(value: Any) -> str:
-    return reprlib.repr(value)
+    shown = reprlib.Repr()
+    shown.maxstring = shown.maxother = 80
+    return shown.repr(value)
 
 
 def write_settings(

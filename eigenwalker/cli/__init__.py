@@ -11,6 +11,8 @@ from eigenwalker.cli import demo, fit, gait, linearize, restyle, study, style, v
 
 __all__ = ["main"]
 
+_STOPPED = 130
+
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command.
@@ -23,7 +25,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        Exit status: 0, or 1 after an error, which is printed.
+        Exit status: 0, 1 after an error, which is printed, or 130 after Ctrl-C, as shells have it.
     """
     parser = _make_parser()
     options = parser.parse_args(arguments)
@@ -35,6 +37,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         except (ValueError, TypeError, OSError, ImportError) as error:
             print(f"eigenwalker {options.command}: error: {error}", file=sys.stderr)
             return 1
+        except KeyboardInterrupt:
+            print(f"eigenwalker {options.command}: stopped", file=sys.stderr)
+            return _STOPPED
     return 0
 
 

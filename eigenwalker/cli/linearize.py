@@ -2,7 +2,7 @@
 
 import argparse
 import sys
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -21,6 +21,8 @@ DESCRIPTION = (
     "walk, into a folder of Parquet files; what was refused has its reason there. However many they are, few are in "
     "memory. The same command again goes on where a stopped one was, and takes in files that were added."
 )
+
+_SHOWN = 5  # names in an error
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -53,20 +55,35 @@ def run(options: argparse.Namespace) -> None:
     """Linearize, and say what is in the folder."""
     if (options.files_from is None) != bool(options.files):
         raise ValueError("expected recordings, either as FILE ... or in --files-from LIST")
+    _check_there(options.files)
     reading = reading_options(options)
     preparation = make_preparation(options, reading=reading)
-    done = linearize_files(
-        options.files if options.files else _listed(options.files_from),
-        FourierLinearizer(options.harmonics, extras=tuple(options.extra)),
-        options.out,
-        preparer=WalkPreparer(**preparation.options),
-        read=partial(_read, reading=reading, preparation=preparation),
-        n_jobs=options.jobs,
-        retry_refused=options.retry_refused,
-        progress=True,
-    )
+    try:
+        done = linearize_files(
+            options.files if options.files else _listed(options.files_from),
+            FourierLinearizer(options.harmonics, extras=tuple(options.extra)),
+            options.out,
+            preparer=WalkPreparer(**preparation.options),
+            read=partial(_read, reading=reading, preparation=preparation),
+            n_jobs=options.jobs,
+            retry_refused=options.retry_refused,
+            progress=True,
+        )
+    except KeyboardInterrupt:
+        print(f"{options.out} keeps what was done; the same command goes on from there", file=sys.stderr)
+        raise
     print(f"files: {done.n_files}, walks: {done.n_walks}, refused: {done.n_refused}")
+    if done.n_refused:
+        print("why they were refused is in the column reason; --retry-refused reads them again")
     print(f"wrote {done.folder}; read it with eigenwalker.batch.read_coefficients or pandas.read_parquet")
+
+
+def _check_there(files: Sequence[Path]) -> None:
+    """Raise a FileNotFoundError for names that no file has, such as patterns that the shell has left as they are."""
+    absent = [str(path) for path in files if not path.exists()]
+    if absent:
+        more = f" and {len(absent) - _SHOWN} more" if len(absent) > _SHOWN else ""
+        raise FileNotFoundError(f"expected recordings, found no file {', '.join(absent[:_SHOWN])}{more}")
 
 
 def _listed(name: str) -> Iterator[Path]:
@@ -74,7 +91,7 @@ def _listed(name: str) -> Iterator[Path]:
     if name == "-":
         yield from _paths(sys.stdin)
         return
-    with Path(name).open(encoding="utf-8") as lines:
+    with Path(name).open(encoding="utf-8-sig") as lines:
         yield from _paths(lines)
 
 

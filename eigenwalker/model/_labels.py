@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-__all__ = ["Coding", "are_numbers", "default_names", "encode", "encode_one", "learn_coding", "tabulate"]
+__all__ = ["Coding", "are_numbers", "default_names", "encode", "encode_one", "learn_coding", "many_classes", "tabulate"]
 
 Poles = Mapping[str, Sequence[Hashable]]
 
@@ -104,12 +104,20 @@ def _learn_one(name: str, known: pd.Series, poles: Sequence[Hashable] | None) ->
     if len(values) == 1:
         raise ValueError(f"trait {name!r}: expected two classes, got one class only, {values[0]!r}")
     if len(values) > 2:
-        shown = ", ".join(map(repr, values[:6])) + (" ..." if len(values) > 6 else "")
-        raise ValueError(f"trait {name!r}: expected numbers or two classes, got {len(values)} classes, {shown}")
+        raise many_classes(name, values)
     if poles is not None and set(poles) != set(values):
         raise ValueError(f"trait {name!r}: its labels are {values}, but its poles are {list(poles)}")
     low, high = poles if poles is not None else values
     return Coding(name, (low, high), two_valued=True)
+
+
+def many_classes(name: str, values: Sequence[Hashable]) -> ValueError:
+    """Return the error of a trait with more than two words."""
+    shown = ", ".join(map(repr, values[:6])) + (" ..." if len(values) > 6 else "")
+    are_texts = all(isinstance(value, str) for value in values)
+    is_number = are_texts and pd.to_numeric(pd.Series(values), errors="coerce").notna().all()
+    mend = "; these are numbers written as text, use labels.astype(float)" if is_number else ""
+    return ValueError(f"trait {name!r}: expected numbers or two classes, got {len(values)} classes, {shown}{mend}")
 
 
 def are_numbers(known: pd.Series) -> bool:

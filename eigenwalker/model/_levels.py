@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from eigenwalker.model._labels import Coding, are_numbers, encode_one
+from eigenwalker.model._labels import Coding, are_numbers, encode_one, many_classes
 
 __all__ = ["Levels", "add_levels", "encode_part", "numbers_of"]
 
@@ -84,8 +84,5 @@ def _include(levels: Levels, known: pd.Series) -> Levels:
 
 def _check(levels: Levels) -> Levels:
     if len(levels.seen) > 2 and not are_numbers(levels.seen):
-        shown = ", ".join(map(repr, levels.seen.tolist()[:6])) + (" ..." if len(levels.seen) > 6 else "")
-        raise ValueError(
-            f"trait {levels.name!r}: expected numbers or two classes, got {len(levels.seen)} classes, {shown}"
-        )
+        raise many_classes(levels.name, levels.seen.tolist())
     return levels._replace(seen=levels.seen.iloc[:_TOLD_APART])

@@ -1,5 +1,6 @@
 """Walks and their labels in parts, as they are given to `fit_stream`."""
 
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from os import PathLike
@@ -14,7 +15,7 @@ from eigenwalker.model._columns import shorten
 from eigenwalker.model.linearization import FourierLinearizer
 from eigenwalker.motion.walk import JointWalk, Walk
 
-__all__ = ["LabelColumns", "is_fitted", "measure", "name_part", "part_reader"]
+__all__ = ["LabelColumns", "SharedNames", "is_fitted", "measure", "name_part", "part_reader"]
 
 
 def part_reader(parts: Iterable[Any] | Callable[[], Iterable[Any]], *, twice: bool) -> Callable[[], Iterable[Any]]:
@@ -32,9 +33,10 @@ def part_reader(parts: Iterable[Any] | Callable[[], Iterable[Any]], *, twice: bo
 
 
 class LabelColumns(NamedTuple):
-    """Where labels come from, and which columns of them are no traits."""
+    """Where labels come from, by which column of a part, and which columns of them are no traits."""
 
     table: pd.DataFrame | pd.Series | None
+    by: str
     control: list[str]
     groups: str | None
 
@@ -44,7 +46,7 @@ class LabelColumns(NamedTuple):
         if is_pair != (self.table is None):
             wanted = "a pair (X, y)" if self.table is None else "X alone, as labels are given"
             raise TypeError(f"expected {wanted}, got {'a pair' if is_pair else type(part).__name__}")
-        return part if self.table is None else (part, _by_name(self.table, part))
+        return part if self.table is None else (part, _find_labels(self.table, part, self.by))
 
     def split(self, y: Any) -> tuple[Any, pd.DataFrame | None, pd.Series | None]:
         """Return labels, controls and groups."""
@@ -58,28 +60,66 @@ class LabelColumns(NamedTuple):
         return y.drop(columns=others), y[self.control] if self.control else None, persons
 
 
-def _by_name(table: pd.DataFrame | pd.Series, part: Any) -> pd.DataFrame | pd.Series:
-    """Return the labels of the walks of a part, by their names."""
-    if isinstance(part, pd.DataFrame) and "name" in part:
-        names = part["name"].tolist()
-    elif are_walks(part):
+def _find_labels(table: pd.DataFrame | pd.Series, part: Any, by: str) -> pd.DataFrame | pd.Series:
+    """Return the labels of the walks of a part, by their names or another column."""
+    if isinstance(part, pd.DataFrame) and by in part:
+        names = part[by].tolist()
+    elif are_walks(part) and by == "name":
         names = [walk.name for walk in part]
     else:
+        walks = "walks, or a table" if by == "name" else "a table"
         raise ValueError(
-            f"expected walks, or a table with a column name, to find their labels, got {type(part).__name__}; give "
-            "pairs (X, y)"
+            f"expected {walks} with a column {by}, to find their labels, got {type(part).__name__}; give pairs (X, y)"
         )
     unknown = [str(name) for name in names if name not in table.index]
     if unknown:
         raise ValueError(
-            f"{len(unknown)} of {len(names)} walks have no row in labels: {shorten(unknown)}; leave them out, or "
-            "labels.reindex(names) if they are not labeled"
+            f"{len(unknown)} of {len(names)} walks have no row in labels by their {by}: {shorten(unknown)}; "
+            f"{_other_column(table, part, by)}leave them out, or labels.reindex(names) if they are not labeled"
         )
     found = table.loc[names]
     if len(found) != len(names):
         twice = table.index[table.index.duplicated()].unique()
         raise ValueError(f"expected one row a walk in labels, got several for {shorten(list(map(str, twice)))}")
     return found
+
+
+def _other_column(table: pd.DataFrame | pd.Series, part: Any, by: str) -> str:
+    """Return advice where labels are by another column of a part."""
+    columns = [other for other in ("name", "file") if other != by and isinstance(part, pd.DataFrame) and other in part]
+    fit = [other for other in columns if part[other].isin(table.index).any()]
+    return f"they have by {fit[0]}, labels_by={fit[0]!r}; or " if fit else ""
+
+
+class SharedNames:
+    """Names that walks in several files have: they find one row of labels, which may be that of one of them."""
+
+    def __init__(self, columns: LabelColumns) -> None:
+        index = pd.Index([]) if columns.table is None else columns.table.index
+        self._is_asked = columns.by == "name" and len(index) > 0 and index.is_unique
+        self._index = index
+        self._files = np.zeros(len(index), dtype=np.uint64)
+        self._shared: set[int] = set()
+
+    def add(self, part: Any) -> None:
+        """Take in the names and files of a part."""
+        if not self._is_asked or not isinstance(part, pd.DataFrame) or "file" not in part:
+            return
+        files = pd.util.hash_array(part["file"].to_numpy(dtype=object)) | np.uint64(1)  # 0 is a name not yet seen
+        for place, file in zip(self._index.get_indexer(part["name"]), files, strict=True):
+            if self._files[place] not in (0, file):
+                self._shared.add(int(place))
+            self._files[place] = file
+
+    def warn(self, stacklevel: int) -> None:
+        """Warn of names in several files."""
+        if self._shared:
+            names = [str(self._index[place]) for place in sorted(self._shared)]
+            warnings.warn(
+                f"walks in several files have the same name, and so one row of labels: {shorten(names)}; if they are "
+                "of different people, give labels by files and labels_by='file'",
+                stacklevel=stacklevel + 1,
+            )
 
 
 def are_walks(X: Any) -> bool:

@@ -213,6 +213,9 @@ class Moments:
         total._scatters, total._persons, total._waiting = dict(self._scatters), deepcopy(self._persons), []
         return total.merge(other)
 
+    def __radd__(self, other: int) -> "Moments":
+        return self if other == 0 else NotImplemented  # sum() begins with 0
+
     def __getstate__(self) -> dict[str, Any]:
         self._settle()
         return self.__dict__.copy()

@@ -14,7 +14,7 @@ from sklearn.utils._set_output import _get_output_config
 
 from eigenwalker.model._columns import shorten, take_vectors
 from eigenwalker.model._fit_of_moments import fit_steps
-from eigenwalker.model._parts import LabelColumns, is_fitted, measure, name_part, part_reader
+from eigenwalker.model._parts import LabelColumns, SharedNames, is_fitted, measure, name_part, part_reader
 from eigenwalker.model.discriminant import TraitClassifier
 from eigenwalker.model.eigenwalkers import split_model, trait_axes
 from eigenwalker.model.moments import Moments
@@ -40,6 +40,7 @@ def fit_stream(
     parts: Iterable[Any] | Callable[[], Iterable[Any]],
     labels: pd.DataFrame | pd.Series | None = None,
     *,
+    labels_by: str = "name",
     control: str | Sequence[str] = (),
     groups: str | None = None,
     template: Walk | JointWalk | None = None,
@@ -66,6 +67,8 @@ def fit_stream(
     labels : DataFrame or Series, default None
         Labels of walks; the index is their names: `Walk.name`, or the column "name" of a part. Walks without a row are
         an error; those not labeled have NaN.
+    labels_by : str, default "name"
+        Another column of the parts that the index of `labels` holds, such as "file".
     control : str or sequence of str, default ()
         Which columns of the labels are control variables, see `TraitRegressor.fit`.
     groups : str, default None
@@ -89,6 +92,11 @@ def fit_stream(
         If the model has other steps; if parts can be read once only, have other columns than those of the linearizer or
         than other parts, or values that are not finite; if there are too few walks. It says in which part.
 
+    Warns
+    -----
+    UserWarning
+        If walks in several files have the same name, and so one row of labels.
+
     Examples
     --------
     >>> from eigenwalker.datasets import make_walkers
@@ -102,8 +110,14 @@ def fit_stream(
     """
     fitted, steps = _copy(model, template)
     read = part_reader(parts, twice=alphas and groups is None)
-    columns = LabelColumns(labels, [control] if isinstance(control, str) else list(control), groups)
-    moments = _add_up(read(), steps.head, columns)
+    if labels is not None and not isinstance(labels, (pd.DataFrame, pd.Series)):
+        raise TypeError(f"labels must be a DataFrame or Series by names of walks, got {type(labels).__name__}")
+    columns = LabelColumns(labels, labels_by, [control] if isinstance(control, str) else list(control), groups)
+    shared = SharedNames(columns)
+    moments = _add_up(read(), steps.head, columns, shared)
+    if not moments.n_walks:
+        raise ValueError("expected parts with walks in them, got none")
+    shared.warn(stacklevel=2)
     fitted = _fit(fitted, steps, moments)
     if alphas and groups is None:
         trait_axes(fitted).alphas_ = _read_alphas(read(), fitted, columns, moments.n_walks)
@@ -164,7 +178,7 @@ def _fit(fitted: Pipeline, steps: _Steps, moments: Moments) -> Pipeline:
     return fitted
 
 
-def _add_up(parts: Iterable[Any], head: Pipeline, columns: LabelColumns) -> Moments:
+def _add_up(parts: Iterable[Any], head: Pipeline, columns: LabelColumns, shared: SharedNames) -> Moments:
     """Return the moments of all parts; the head of the model is fitted to the first, if it is not fitted."""
     moments = Moments()
     for number, part in enumerate(parts):
@@ -172,6 +186,7 @@ def _add_up(parts: Iterable[Any], head: Pipeline, columns: LabelColumns) -> Mome
             X, y = columns.pair(part)
             if not len(X):
                 continue
+            shared.add(X)
             vectors = measure(X, head)
             moments = moments if moments.n_walks else Moments(head[-1].get_feature_names_out())
             traits, controls, persons = columns.split(y)

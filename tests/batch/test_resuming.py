@@ -24,6 +24,7 @@ from tests.batch.walk_files import linearize_and_die, make_from_seed
 from tests.synthetic import make_walk
 
 N_KILLS = 20
+INTERRUPTED = 6
 
 linearize_in_place = partial(linearize_files, preparer="passthrough")
 pytestmark = pytest.mark.filterwarnings("ignore:[0-9]+ of [0-9]+ walks were refused:UserWarning")
@@ -105,6 +106,44 @@ def test_refused_files_are_read_again_on_request(paths, undisturbed, tmp_path):
     pd.testing.assert_frame_equal(table.drop(columns="file"), wanted.drop(columns="file"), check_exact=True)
 
 
+def test_only_the_files_that_are_given_are_read_again(paths, undisturbed, tmp_path):
+    folder = tmp_path / "table"
+    shutil.copytree(undisturbed, folder)
+    done = linearize_in_place([paths[3]], FourierLinearizer(), folder, retry_refused=True)
+    assert done[1:] == linearize_in_place(paths, FourierLinearizer(), folder)[1:]
+    table, wanted = (pd.read_parquet(each).sort_values("file", ignore_index=True) for each in (folder, undisturbed))
+    pd.testing.assert_frame_equal(table, wanted, check_exact=True)
+
+
+def _interrupted(seed):
+    if seed == INTERRUPTED:
+        raise KeyboardInterrupt
+    return make_from_seed(seed)
+
+
+def test_what_was_done_before_an_interruption_is_kept(tmp_path):
+    for _ in range(2):
+        with pytest.raises(KeyboardInterrupt):
+            linearize_in_place(range(10), FourierLinearizer(), tmp_path / "table", read=_interrupted)
+        assert pd.read_parquet(tmp_path / "table")["file"].to_list() == [str(seed) for seed in range(INTERRUPTED)]
+    with pytest.raises(KeyboardInterrupt):
+        linearize_in_place(range(10), FourierLinearizer(), tmp_path / "table", read=_interrupted, retry_refused=True)
+    assert sorted(pd.read_parquet(tmp_path / "table")["file"]) == [str(seed) for seed in range(INTERRUPTED)]
+
+
+def test_a_generator_may_change_the_folder(paths, undisturbed, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+    def walk_through():
+        for path in paths:
+            os.chdir(path.parent)
+            yield path
+
+    done = linearize_in_place(walk_through(), FourierLinearizer(), "table", files_per_part=3)
+    assert done.folder == Path("table")
+    assert _parts(tmp_path / "table") == _parts(undisturbed)
+
+
 def test_killed_while_refused_files_are_read_again(run_and_kill, paths, undisturbed, tmp_path):
     shutil.copytree(undisturbed, tmp_path / "whole")
     code, n_steps = run_and_kill(paths, tmp_path / "whole", 0, retry_refused=True)
@@ -178,11 +217,12 @@ def test_other_settings_are_refused_all_at_once(paths, undisturbed):
     with pytest.raises(ValueError, match="expected the settings with which its first rows were made") as caught:
         linearize_files(paths, linearizer, undisturbed, preparer=WalkPreparer(), read=make_from_seed)
     lines = str(caught.value).splitlines()[1:]
+    ours = "tests.batch.walk_files.make_from_seed"
     for line in (
         "  linearizer, n_harmonics: 2 in the first run, 3 now",
         "  linearizer, extras: [] in the first run, ['size'] now",
         "  preparation, heading: None in the first run, 'path' now",
-        "  reading, read: 'eigenwalker....ats.read_walk' in the first run, 'tests.batch....ake_from_seed' now",
+        f"  reading, read: 'eigenwalker.io.formats.read_walk' in the first run, {ours!r} now",
     ):
         assert line in lines
 

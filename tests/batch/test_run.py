@@ -166,6 +166,16 @@ def test_a_file_without_walks_is_refused(tmp_path):
     assert refused_files(done.folder)["reason"].to_list() == ["expected at least one walk in the file, got none"]
 
 
+def _one_of_two(item):
+    return make_from_seed(item[1])
+
+
+def test_tuples_have_a_text_of_their_own(paths, tmp_path):
+    items = [(paths[0], 0), (paths[0], 1), ("b", np.int64(1))]
+    done = linearize_in_place(items, FourierLinearizer(), tmp_path / "table", read=_one_of_two)
+    assert done[1:] == (3, 3, 0)
+
+
 def test_what_comes_twice_is_done_once(paths, tmp_path):
     done = linearize_in_place([paths[0], str(paths[0]), paths[1]], FourierLinearizer(), tmp_path / "table")
     assert done.n_walks == 2
@@ -220,6 +230,32 @@ def test_other_errors_name_the_file(tmp_path, n_jobs):
     with pytest.raises(TypeError, match="an iterable of walks, got str in it") as caught:
         linearize_in_place([7], linearizer, tmp_path / "table", read=_wrong_kind, n_jobs=n_jobs)
     assert caught.value.__notes__ == ["while 7 was read, prepared and linearized"]
+
+
+def _nothing(seed):
+    return None
+
+
+def _broken(seed):
+    raise KeyError("trial")
+
+
+@pytest.mark.parametrize(
+    ("read", "error", "message"),
+    [(_nothing, TypeError, "must return a walk or an iterable of walks, got NoneType"), (_broken, KeyError, "trial")],
+)
+def test_errors_of_the_first_file_name_it(tmp_path, read, error, message):
+    with pytest.raises(error, match=message) as caught:
+        linearize_in_place([7], FourierLinearizer(), tmp_path / "table", read=read)
+    assert caught.value.__notes__ == ["while 7 was read, prepared and linearized"]
+
+
+@pytest.mark.parametrize("item", [np.arange(2000.0), make_from_seed(0), ["a.npz"], ("a.npz", [1]), None])
+def test_items_whose_text_may_be_that_of_others_are_refused(tmp_path, item):
+    with pytest.raises(TypeError, match="paths must hold paths, numbers or tuples of these, got"):
+        linearize_in_place(
+            [item], FourierLinearizer().fit([make_from_seed(0)]), tmp_path / "table", read=make_from_seed
+        )
 
 
 def test_pyarrow_is_named_where_it_is_missing(monkeypatch, tmp_path):

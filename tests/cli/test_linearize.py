@@ -68,6 +68,40 @@ def test_refusals_are_counted_and_kept(run, files, walkers, tmp_path):
     assert list(refused_files(tmp_path / "table")["file"]) == [str(standing)]
 
 
+@pytest.mark.filterwarnings("ignore:.*walks were refused:UserWarning")
+def test_refused_files_are_read_again_when_they_are_mended(run, files, tmp_path):
+    good = files[1].read_bytes()
+    files[1].write_bytes(b"PK nothing")
+    command = ("linearize", *files, "--out", tmp_path / "table")
+    assert "--retry-refused reads them again" in run(*command)[1]
+    files[1].write_bytes(good)
+    assert run(*command)[1].startswith("files: 3, walks: 2, refused: 1\n")
+    assert run(*command, "--retry-refused")[1].startswith("files: 3, walks: 3, refused: 0\nwrote ")
+
+
+def test_names_that_no_file_has_are_an_error(run, files, tmp_path):
+    status, _, error = run("linearize", *files, "walks/*.npz", "b.npz", "--out", tmp_path / "table")
+    assert status == 1
+    assert "expected recordings, found no file walks/*.npz, b.npz" in error
+    assert not (tmp_path / "table").exists()
+
+
+def test_lists_of_windows_editors(run, files, tmp_path):
+    (tmp_path / "files.txt").write_text("".join(f"{path}\r\n" for path in files), encoding="utf-8-sig", newline="")
+    assert run("linearize", "--files-from", tmp_path / "files.txt", "--out", tmp_path / "table")[0] == 0
+    assert list(read_coefficients(tmp_path / "table")["file"]) == [str(path) for path in files]
+
+
+def test_ctrl_c_says_how_to_go_on(run, files, tmp_path, monkeypatch):
+    def stop(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("eigenwalker.cli.linearize.linearize_files", stop)
+    status, _, error = run("linearize", *files, "--out", tmp_path / "table")
+    assert status == 130
+    assert error.endswith("keeps what was done; the same command goes on from there\neigenwalker linearize: stopped\n")
+
+
 def test_passes(run, walkers, tmp_path):
     path = tmp_path / "anna.npz"
     write_walk(replace(walkers[0], name="anna"), path)

@@ -520,7 +520,7 @@ def test_one_walk_is_too_few_and_no_moments_are_none(walkers):
     model = make_eigenwalkers(n_components=1)
     with pytest.raises(ValueError, match="expected at least 2 walks, got 1"):
         fit_stream(model, [(walkers.data[:1], [1.0])])
-    with pytest.raises(ValueError, match="moments of at least one walk, got none"):
+    with pytest.raises(ValueError, match="expected parts with walks in them, got none"):
         fit_stream(model, [])
     with pytest.raises(TypeError, match="expected Moments, got list"):
         fit_moments(model, [], template=walkers.data[0])
