@@ -44,8 +44,8 @@ def on_cluster(client: Any, *data: Any, folds: Sequence[tuple[Any, Any]] = ()) -
     ------
     ImportError
         If dask.distributed is not installed.
-    TypeError
-        If `client` is not a Client.
+    TypeError, ValueError
+        If `client` is not a Client, or is closed.
     RuntimeError
         If workers keep dying while they are sent the data, as for want of memory.
 
@@ -121,3 +121,5 @@ def _check_client(client: object) -> None:
         raise ImportError("a cluster needs dask.distributed: pip install 'eigenwalker[cluster]'") from None
     if not isinstance(client, Client):
         raise TypeError(f"client must be a distributed.Client, got {type(client).__name__}")
+    if client.status != "running":
+        raise ValueError(f"client must be connected to a cluster, got one that is {client.status}")

@@ -167,6 +167,8 @@ def linearize_files(
     folder = Path(out).absolute()  # whatever folder a generator of paths changes to
     items = _check_paths(paths)
     call = _Call(linearizer, preparer, partial(read, **options) if options else read)
+    if folder.exists() and not folder.is_dir():
+        raise ValueError(f"out must be a folder, got the file {folder}")
     folder.mkdir(parents=True, exist_ok=True)
     read_settings(folder)  # refuses a folder with other things in it, before anything is written
     with sole_writer(folder), workers_of(client), threadpool_limits(limits=1):

@@ -97,6 +97,11 @@ def fit_stream(
     UserWarning
         If walks in several files have the same name, and so one row of labels.
 
+    Notes
+    -----
+    What comes after the linearizer takes a table of coefficients, for predictions without walks:
+    ``model[1:].predict(table[model[0].get_feature_names_out()].to_numpy())``.
+
     Examples
     --------
     >>> from eigenwalker.datasets import make_walkers

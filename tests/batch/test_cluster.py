@@ -150,6 +150,15 @@ def test_data_are_sent_though_a_worker_has_just_been_killed(client, labeled):
     np.testing.assert_array_equal(scores, expected)
 
 
+def test_a_closed_client_is_an_error(client):
+    from distributed import Client
+
+    closed = Client(client.cluster.scheduler_address)
+    closed.close()
+    with pytest.raises(ValueError, match="connected to a cluster, got one that is closed"), on_cluster(closed, [1, 2]):
+        pass
+
+
 def test_a_cluster_that_takes_no_data_is_an_error(client, monkeypatch):
     def scatter(*arguments, **options):
         raise KeyError("tcp://gone")

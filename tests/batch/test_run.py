@@ -258,6 +258,12 @@ def test_items_whose_text_may_be_that_of_others_are_refused(tmp_path, item):
         )
 
 
+def test_a_file_is_no_folder(tmp_path):
+    (tmp_path / "table").write_text("")
+    with pytest.raises(ValueError, match="out must be a folder, got the file"):
+        linearize_in_place([0], FourierLinearizer(), tmp_path / "table", read=make_from_seed)
+
+
 def test_pyarrow_is_named_where_it_is_missing(monkeypatch, tmp_path):
     monkeypatch.setitem(__import__("sys").modules, "pyarrow", None)
     with pytest.raises(ImportError, match=r"pip install 'eigenwalker\[parquet\]'"):

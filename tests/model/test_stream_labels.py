@@ -67,6 +67,12 @@ def test_numbers_that_are_text_are_told(model, table):
         fit_stream(model, [table], texts, labels_by="file")
 
 
+def test_predictions_without_walks(walkers, model, table, weight):
+    fitted = fit_stream(model, [(table, weight)])
+    names = fitted[0].get_feature_names_out()
+    np.testing.assert_allclose(fitted[1:].predict(table[names].to_numpy()), fitted.predict(walkers.data), rtol=1e-12)
+
+
 def test_moments_have_a_sum(table, weight):
     vectors = table.drop(columns=["name", "file"])
     here, there = Moments().update(vectors[:5], weight[:5]), Moments().update(vectors[5:], weight[5:])
