@@ -7,7 +7,7 @@ from typing import Any
 
 import pandas as pd
 
-from eigenwalker.batch.parts import make_schema, part_paths, pyarrow, read_part
+from eigenwalker.batch.parts import make_schema, pyarrow, read_part, readable_paths
 from eigenwalker.batch.settings import Settings, read_settings
 from eigenwalker.model.linearization import FourierLinearizer
 
@@ -106,7 +106,7 @@ def refused_files(folder: str | PathLike[str]) -> pd.DataFrame:
     settings = _settings(folder)
     pa, names = pyarrow(), ["file", "name", "reason"]
     empty = pa.schema([(name, pa.string()) for name in names]).empty_table()
-    parts = (read_part(path, mark=settings.mark, columns=names) for path in part_paths(Path(folder)))
+    parts = (read_part(path, mark=settings.mark, columns=names) for path in readable_paths(Path(folder)))
     found = [part.filter(pa.compute.is_valid(part["reason"])) for part in parts]
     return pa.concat_tables([empty, *(part.replace_schema_metadata(None) for part in found)]).to_pandas(
         use_threads=False
@@ -161,7 +161,7 @@ def _check_columns(settings: Settings, columns: Sequence[str] | None) -> list[st
 def _used(folder: Path, settings: Settings, columns: list[str]) -> Iterator[Any]:
     """Yield the walks of each part that were not refused."""
     pa = pyarrow()
-    for path in part_paths(folder):
+    for path in readable_paths(folder):
         part = read_part(path, mark=settings.mark, columns=[*columns, *({"reason"} - set(columns))])
         yield part.filter(pa.compute.is_null(part["reason"])).select(columns).replace_schema_metadata(None)
 

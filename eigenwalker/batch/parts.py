@@ -4,7 +4,7 @@ import hashlib
 import os
 import re
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -18,9 +18,9 @@ __all__ = [
     "check_parts",
     "drop_files",
     "make_schema",
-    "part_paths",
     "pyarrow",
     "read_part",
+    "readable_paths",
     "sole_writer",
     "write_part",
 ]
@@ -107,7 +107,7 @@ def _make_table(rows: Sequence[Row], schema: Any) -> Any:
     return pa.table(columns, schema=schema)
 
 
-def part_paths(folder: Path) -> list[Path]:
+def _part_paths(folder: Path) -> list[Path]:
     """Return the part files in a folder, in their order."""
     return [
         path for _, path in sorted((_number(path), path) for path in folder.iterdir() if _NAME.fullmatch(path.name))
@@ -141,7 +141,7 @@ def read_part(path: Path, *, mark: str, columns: Sequence[str] | None = None) ->
 
 
 def check_parts(folder: Path, mark: str) -> Finished:
-    """Return what the parts hold; those that were not written to the end, or are damaged, are deleted.
+    """Return what the parts hold; those that were not written to the end, were replaced, or are damaged, are deleted.
 
     Warns
     -----
@@ -150,12 +150,10 @@ def check_parts(folder: Path, mark: str) -> Finished:
     """
     pa = pyarrow()
     (folder / _HALF).unlink(missing_ok=True)
+    _delete_damaged(folder)
+    _delete_replaced(folder, mark)
     files, refused, numbers, n_refused, n_rows = set(), {}, set(), 0, 0
-    for path in part_paths(folder):
-        if not _is_sound(path, path.read_bytes()):
-            warnings.warn(f"{path}: the file was damaged and is deleted; its rows are made anew", stacklevel=3)
-            path.unlink()
-            continue
+    for path in _part_paths(folder):
         table = read_part(path, mark=mark, columns=["file", "reason"])
         files.update(table["file"].to_pylist())
         numbers.add(_number(path))
@@ -166,10 +164,50 @@ def check_parts(folder: Path, mark: str) -> Finished:
     return Finished(files, refused, n_rows - n_refused, n_refused, numbers)
 
 
+def _delete_damaged(folder: Path) -> None:
+    for path in _part_paths(folder):
+        if not _is_sound(path, path.read_bytes()):
+            warnings.warn(f"{path}: the file was damaged and is deleted; its rows are made anew", stacklevel=4)
+            path.unlink()
+
+
+def _delete_replaced(folder: Path, mark: str) -> None:
+    """Delete a part that `drop_files` had made a shorter one of when it was ended."""
+    for paths in _by_number(_part_paths(folder)).values():
+        if len(paths) > 1:
+            n_rows = {path: len(read_part(path, mark=mark, columns=["file"])) for path in paths}
+            max(paths, key=n_rows.__getitem__).unlink()
+
+
+def _by_number(paths: Iterable[Path]) -> dict[int, list[Path]]:
+    found: dict[int, list[Path]] = {}
+    for path in paths:
+        found.setdefault(_number(path), []).append(path)
+    return found
+
+
+def readable_paths(folder: Path) -> list[Path]:
+    """Return the part files in a folder, in their order, for those who read them.
+
+    Raises
+    ------
+    ValueError
+        If a part is there twice, as it was being replaced when the run was ended.
+    """
+    paths = _part_paths(folder)
+    twice = [found[0].name for found in _by_number(paths).values() if len(found) > 1]
+    if twice:
+        raise ValueError(
+            f"{folder}: a run was ended while it replaced {twice[0]}; call linearize_files again with the same files, "
+            "which goes on from there"
+        )
+    return paths
+
+
 def drop_files(folder: Path, mark: str, files: Mapping[str, int]) -> tuple[int, int]:
     """Take the rows of files out of the parts with these numbers; return how many had features, and how many not."""
     pa = pyarrow()
-    paths = {_number(path): path for path in part_paths(folder)}
+    paths = {_number(path): path for path in _part_paths(folder)}
     n_walks = n_refused = 0
     for number in sorted(set(files.values())):
         table = read_part(paths[number], mark=mark)
@@ -177,10 +215,9 @@ def drop_files(folder: Path, mark: str, files: Mapping[str, int]) -> tuple[int, 
         dropped, rest = table.filter(is_dropped), table.filter(pa.compute.invert(is_dropped))
         n_walks += dropped["reason"].null_count
         n_refused += len(dropped) - dropped["reason"].null_count
-        shorter = _write_half(folder, number, rest) if len(rest) else None
-        paths[number].unlink()  # first: rows that are missing are made anew, rows that are there twice would stay
-        if shorter is not None:
-            os.replace(folder / _HALF, shorter)
+        if len(rest):
+            os.replace(folder / _HALF, _write_half(folder, number, rest))
+        paths[number].unlink()  # last: of two parts with a number `check_parts` keeps the shorter one
     return n_walks, n_refused
 
 
